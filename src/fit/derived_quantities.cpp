@@ -73,9 +73,6 @@ double walk_per_cycle(const FitProblem& problem, std::span<const double> x, cons
            std::sqrt(fast * fast + 2.0 * memory * slow * slow);
   };
   const double walk = of(Quantity::walk_rms, x);
-  // The mean of a rate that walks over n cycles departs from where it began by n/3 of its steps.
-  const double n = problem.data->cycle.back();
-  const double wander = of(Quantity::rate_rms, x) * of(Quantity::T0, x) * n / std::sqrt(3.0);
   double size = in_the_long_run(x);
   if (problem.parameters.has(Quantity::drive_rms)) {
     const DerivedQuantity settled = derive("", "", "", in_the_long_run, x, known);
@@ -84,7 +81,7 @@ double walk_per_cycle(const FitProblem& problem, std::span<const double> x, cons
         !rivals_agree(rivals, settled, in_the_long_run))
       size = std::max(size, size * std::abs(clock.fast_gain() / clock.slow_gain()));
   }
-  return walk * walk + wander * wander + size * size;
+  return walk * walk + size * size;
 }
 
 // Scatter of the mean rates of eight parts of the log; infinite if the log is too short for that.

@@ -82,10 +82,6 @@ double noise_value(const Slot& slot, const NoiseGuess& noise, double fast_gain,
     return 0.1 * drive;
   case Quantity::slow_time:
     return 0.1 * data.elapsed_s.back();
-  case Quantity::rate_rms: {
-    constexpr double share_of_walk = 0.01; // what shows after some thousand cycles
-    return share_of_walk * std::max(noise.walk_s, 0.01 * noise.jitter_s) / data.reference_period_s;
-  }
   default:
     return std::max(noise.amplitude_rad, 1e-9);
   }

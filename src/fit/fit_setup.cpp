@@ -189,7 +189,6 @@ private:
       add(size(Quantity::slow_rms));
       add(size(Quantity::slow_time));
     }
-    if (model_.wander) add(size(Quantity::rate_rms));
     if (data_.has_amplitude()) add(size(Quantity::amplitude_rms));
   }
 
@@ -273,7 +272,7 @@ void check_names(const FitOptions& options, const TimingData& data) {
   std::vector<std::string> known;
   ModelChoice everything;
   everything.amplitude_scale = everything.quadratic = everything.dry = everything.walk =
-      everything.drive = everything.slow = everything.wander = true;
+      everything.drive = everything.slow = true;
   if (options.escapement) everything.escapement = *options.escapement;
   FitOptions all = options;
   all.freed = {"offset", "gravity_share"};
@@ -316,7 +315,7 @@ bool names(const FitOptions& options, const std::string& parameter) {
 
 void include_named_noise(FitOptions& options) {
   const bool slow = names(options, "slow_rms") || names(options, "slow_time");
-  const bool drive = slow || names(options, "drive_rms") || names(options, "rate_rms");
+  const bool drive = slow || names(options, "drive_rms");
   if (!drive) return;
   if (options.escapement == Escapement::none)
     throw ArgumentError("escapement", "none", "one, since noise of its drive is named");

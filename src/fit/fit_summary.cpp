@@ -46,7 +46,6 @@ std::string ModelChoice::noise() const {
   if (walk) parts.emplace_back("random walk");
   if (drive) parts.emplace_back("drive");
   if (slow) parts.emplace_back("slow drive");
-  if (wander) parts.emplace_back("wandering rate");
   return fmt::format("{}", fmt::join(parts, " + "));
 }
 

@@ -22,7 +22,6 @@ template <class T> NoiseSizes<T> noise_sizes(const Parameters& parameters, std::
     if (slot.quantity == Quantity::drive_rms) noise.drive = slot.value(x);
     if (slot.quantity == Quantity::slow_rms) noise.slow = slot.value(x);
     if (slot.quantity == Quantity::slow_time) noise.slow_time = slot.value(x);
-    if (slot.quantity == Quantity::rate_rms) noise.rate = slot.value(x);
     if (slot.quantity == Quantity::amplitude_rms) noise.amplitude = slot.value(x);
   }
   return noise;
@@ -107,7 +106,6 @@ public:
 
   template <class See> bool run(See&& see) {
     if constexpr (std::is_same_v<T, N>) {
-      if (problem_.parameters.has(Quantity::rate_rms)) return disturbed<4>(see);
       if (problem_.parameters.has(Quantity::slow_rms)) return disturbed<3>(see);
       if (problem_.parameters.has(Quantity::drive_rms)) return disturbed<2>(see);
     }

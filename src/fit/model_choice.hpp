@@ -87,7 +87,7 @@ private:
     Fitted fitted;
   };
   [[nodiscard]] std::optional<Driven> laws_that_explain(const Driven& driven) const;
-  void let_clock_wander(Driven& drive, FitDynamics dynamics) const;
+  void let_times_walk(Driven& drive, FitDynamics dynamics) const;
   [[nodiscard]] Fitted with_slow_drive(Driven& drive, FitDynamics dynamics) const;
   [[nodiscard]] Fitted roughly_fitted_near(const Laws& laws, std::size_t changed,
                                            TimingData& thin) const;

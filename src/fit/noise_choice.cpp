@@ -17,9 +17,6 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// What may wander besides the drive: the times, and the clock's own rate.
-constexpr std::array walks{&ModelChoice::walk, &ModelChoice::wander};
-
 // The point of another fit in the parameters `to`: coordinates that it lacks come from `at`, but a
 // slow drive that it lacks is made negligible.
 std::vector<double> place_among(const Parameters& to, std::span<const double> at,
@@ -43,24 +40,21 @@ bool ModelSearch::noise_is_asked_for() const {
          !white_in_amplitude(best_);
 }
 
-// A push that comes early or late moves the times but hardly changes the swing; what warms or bends
-// the pendulum changes its rate. With amplitudes, which show the drive, a walk of the times or of
-// the rate can be recognised; each is added if the log calls for it. With noise of the drive, the
-// error of first order looks like a walk, so second order is used to judge.
-void ModelSearch::let_clock_wander(Driven& drive, FitDynamics dynamics) const {
-  if (!all_.has_amplitude() || white(drive.fitted)) return;
+// A push that comes early or late moves the times but hardly changes the swing. With amplitudes,
+// which show the drive, such a walk of the times can be recognised, and is added if the log calls
+// for it. With noise of the drive, the error of first order looks like a walk, so second order is
+// used to judge.
+void ModelSearch::let_times_walk(Driven& drive, FitDynamics dynamics) const {
+  if (!all_.has_amplitude() || drive.laws.model.walk || white(drive.fitted)) return;
   const FitDynamics judge = std::max(dynamics, FitDynamics::averaged2);
-  if (!refine(drive.fitted, judge)) return;
-  for (bool ModelChoice::*walk : walks) {
-    if (drive.laws.model.*walk || white(drive.fitted)) continue;
-    Driven more = drive;
-    more.laws.model.*walk = true;
-    more.fitted = fit_from_any(std::array<const Fitted*, 2>{&drive.fitted, &best_},
-                               more.laws.options, more.laws.model);
-    if (more.fitted.minimum.usable && refine(more.fitted, judge) &&
-        more.fitted.bic < drive.fitted.bic)
-      drive = std::move(more);
-  }
+  if (!refine(drive.fitted, judge) || white(drive.fitted)) return;
+  Driven both = drive;
+  both.laws.model.walk = true;
+  both.fitted = fit_from_any(std::array<const Fitted*, 2>{&drive.fitted, &best_}, both.laws.options,
+                             both.laws.model);
+  if (both.fitted.minimum.usable && refine(both.fitted, judge) &&
+      both.fitted.bic < drive.fitted.bic)
+    drive = std::move(both);
 }
 
 // The fit of these laws with a slowly varying drive as well, if the log calls for it.
@@ -80,18 +74,14 @@ Fitted ModelSearch::with_slow_drive(Driven& drive, FitDynamics dynamics) const {
   // A fit without slow drive may have ended far from the solution: both fits serve as starts.
   Fitted slow = fit_from_any(std::array<const Fitted*, 2>{&drive.fitted, &best_}, options, model);
   if (slow.minimum.usable) refine(slow, dynamics);
+  if (!slow.minimum.usable || !model.walk || names(options, "walk_rms")) return slow;
   // A walk found with the fast drive alone may have been the slow drive.
-  for (bool ModelChoice::*walk : walks) {
-    if (!slow.minimum.usable || !(slow.model.*walk)) continue;
-    if (names(options, walk == &ModelChoice::walk ? "walk_rms" : "rate_rms")) continue;
-    ModelChoice still = slow.model;
-    still.*walk = false;
-    Fitted without = fit_from(slow, options, still);
-    if (without.minimum.usable && refine(without, slow.dynamics) &&
-        without.dynamics == slow.dynamics && without.bic < slow.bic)
-      slow = std::move(without);
-  }
-  return slow;
+  ModelChoice still = model;
+  still.walk = false;
+  Fitted without = fit_from(slow, options, still);
+  const bool is_better = without.minimum.usable && refine(without, slow.dynamics) &&
+                         without.dynamics == slow.dynamics && without.bic < slow.bic;
+  return is_better ? std::move(without) : std::move(slow);
 }
 
 void ModelSearch::choose_noise() {
@@ -123,14 +113,13 @@ void ModelSearch::choose_noise() {
   if (!driven) return;
   laws.model = best_.model;
   laws.model.walk = names(options_, "walk_rms");
-  laws.model.wander = names(options_, "rate_rms");
   laws.model.drive = true;
   laws.model.jitter = wanted != FitNoise::drive;
   Driven drive{laws, fit_with(laws)};
   if (!drive.fitted.minimum.usable) return;
   // As long as the model had no such drive, changes were dated so as to explain its effects.
   move_dates(drive.fitted, drive.laws.options);
-  if (automatic) let_clock_wander(drive, dynamics);
+  if (automatic) let_times_walk(drive, dynamics);
   auto other = white(drive.fitted) ? std::nullopt : laws_that_explain(drive);
   const bool are_other = other.has_value();
   if (are_other) drive = std::move(*other);

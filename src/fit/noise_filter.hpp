@@ -4,13 +4,11 @@
 //   t  lateness of the clock, s
 //   w  departure of the squared amplitude, rad^2
 //   s  slow part of the relative drive
-//   y  departure of the clock's own rate, relative
 // Over one cycle, with the relative drive u = d + s (d white, rms sigma_d) and the gains of
 // cycle_response.hpp:
 //   w' = kept w + raised u
-//   t' = t + follow w + kick u + T0 y + (walk)
+//   t' = t + follow w + kick u + (walk)
 //   s' = r s + (noise),                   r = exp(-T0/slow_time)
-//   y' = y + (noise)
 // The observations are t + jitter and the turning angle, H w + noise. Over k cycles without a beat
 // the matrices of one cycle are combined by doubling. A beat costs a fixed number of operations, so
 // a log of N beats costs O(N); once the covariance is constant, only the state is advanced.
@@ -20,10 +18,9 @@
 // mean half the second derivatives times the mean squares, and to the covariance that of these
 // second-order terms (second-order extended Kalman filter: Jazwinski 1970, ch. 9).
 // The first time sets the lateness without an innovation, because no time is predicted for it
-// (exact diffuse start). The rate is counted from that of the first beat, which T0 has. The first
-// amplitude scatters about the course like all others. If it were held to the course, clocks whose
-// inverse response grows (slow gain of the opposite sign) would fit it to absurd precision and be
-// preferred.
+// (exact diffuse start). The first amplitude scatters about the course like all others. If it were
+// held to the course, clocks whose inverse response grows (slow gain of the opposite sign) would
+// fit it to absurd precision and be preferred.
 #pragma once
 
 #include "clock_model.hpp"
@@ -47,7 +44,7 @@ namespace goingrate::timing_model {
 
 /// Sizes of the noise; 0 for absent kinds.
 template <class T> struct NoiseSizes {
-  T jitter{}, walk{}, drive{}, slow{}, slow_time{}, amplitude{}, rate{};
+  T jitter{}, walk{}, drive{}, slow{}, slow_time{}, amplitude{};
 };
 
 /// Difference of one observation from its prediction, and its variance.
@@ -56,7 +53,7 @@ template <class T> struct Innovation {
   T variance{};
 };
 
-/// The filter with D = 2 (t, w), 3 (t, w, s) or 4 (t, w, s, y) states.
+/// The filter with D = 2 (t, w) or 3 (t, w, s) states.
 template <class T, std::size_t D> class NoiseFilter {
 public:
   /// `extended`: whether second-order terms are included.
@@ -73,7 +70,7 @@ public:
     const Step step = cycle_on_course(sight, response);
     const T& kept = step.transition[1][1];
     T spread = step.noise[1][1];
-    if (has_slow()) {
+    if constexpr (D == 3) {
       const T &raised = step.transition[1][2], &memory = step.transition[2][2];
       const T slow2 = noise_.slow * noise_.slow;
       const T shared = memory * raised * slow2 / (T(1.0) - memory * kept);
@@ -161,11 +158,6 @@ public:
   }
 
 private:
-  // With a rate that wanders, the slow drive may be absent.
-  [[nodiscard]] bool has_slow() const {
-    return D == 3 || (D == 4 && plain(noise_.slow_time) > 0.0);
-  }
-
   using Matrix = std::array<std::array<T, D>, D>;
   struct Step {
     Matrix transition{};
@@ -176,14 +168,10 @@ private:
     std::array<T, D> result;
     result[0] = v[0] + a[0][1] * v[1];
     result[1] = a[1][1] * v[1];
-    if constexpr (D >= 3) {
+    if constexpr (D == 3) {
       result[0] += a[0][2] * v[2];
       result[1] += a[1][2] * v[2];
       result[2] = a[2][2] * v[2];
-    }
-    if constexpr (D == 4) {
-      result[0] += a[0][3] * v[3];
-      result[3] = v[3];
     }
     return result;
   }
@@ -280,19 +268,12 @@ private:
     step.noise[0][0] = power * kick * kick + noise_.walk * noise_.walk;
     step.noise[0][1] = step.noise[1][0] = power * kick * raised;
     step.noise[1][1] = power * raised * raised;
-    if constexpr (D >= 3) {
+    if constexpr (D == 3) {
+      const T lag = T0 / noise_.slow_time * -1.0;
       step.transition[0][2] = kick;
       step.transition[1][2] = raised;
-    }
-    if (has_slow()) {
-      const T lag = T0 / noise_.slow_time * -1.0;
       step.transition[2][2] = exp(lag);
       step.noise[2][2] = noise_.slow * noise_.slow * expm1(lag * 2.0) * -1.0;
-    }
-    if constexpr (D == 4) {
-      step.transition[0][3] = T0;
-      step.transition[3][3] = T(1.0);
-      step.noise[3][3] = noise_.rate * noise_.rate;
     }
     return step;
   }
@@ -312,7 +293,7 @@ private:
     std::array<T, D> next;
     next[0] = state_[0] + late;
     next[1] = state_[1] + grown;
-    if constexpr (D >= 3) {
+    if constexpr (D == 3) {
       const T& s = state_[2];
       next[0] += there.kick * s;
       next[1] += there.raised * s;
@@ -331,11 +312,7 @@ private:
     step.noise[0][1] += of_late.covariance(of_amplitude2, w2, product, u2);
     step.noise[1][0] = step.noise[0][1];
     step.noise[1][1] += of_amplitude2.covariance(of_amplitude2, w2, product, u2);
-    if constexpr (D >= 3) next[2] = step.transition[2][2] * state_[2];
-    if constexpr (D == 4) {
-      next[0] += sight.T0 * state_[3];
-      next[3] = state_[3];
-    }
+    if constexpr (D == 3) next[2] = step.transition[2][2] * state_[2];
     state_ = next;
     covariance_ = spread(step.transition, covariance_);
     add(covariance_, step.noise);

@@ -60,7 +60,7 @@ struct Known {
   bool only_if_named = false; // not fitted unless asked for
 };
 
-constexpr std::array<Known, 24> known_parameters{{
+constexpr std::array<Known, 23> known_parameters{{
     {"T0", Known::positive, true},
     {"epsilon", Known::positive, true},
     {"mu", Known::not_negative, true},
@@ -82,7 +82,6 @@ constexpr std::array<Known, 24> known_parameters{{
     {"walk_rms", Known::positive},
     {"drive_rms", Known::positive},
     {"slow_rms", Known::positive},
-    {"rate_rms", Known::positive},
     {"slow_time", Known::positive},
     {"amplitude_rms", Known::positive},
 }};
@@ -286,8 +285,7 @@ private:
 std::string_view noise_word(const FitSummary& fit, const FitOptions& options) {
   if (options.noise != FitNoise::automatic) return word_of(noise_words, options.noise);
   const ModelChoice& model = fit.model;
-  // Walks have no word of their own.
-  if (model.walk || model.wander) return word_of(noise_words, FitNoise::automatic);
+  if (model.walk) return word_of(noise_words, FitNoise::automatic); // it has no word of its own
   if (model.slow) return word_of(noise_words, FitNoise::slow);
   if (!model.drive) return word_of(noise_words, FitNoise::jitter);
   return word_of(noise_words, model.jitter ? FitNoise::both : FitNoise::drive);

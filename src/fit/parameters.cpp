@@ -39,8 +39,6 @@ std::string_view base_name(Quantity quantity, Escapement escapement) {
     return "slow_rms";
   case Quantity::slow_time:
     return "slow_time";
-  case Quantity::rate_rms:
-    return "rate_rms";
   case Quantity::amplitude_rms:
     return "amplitude_rms";
   case Quantity::moment:

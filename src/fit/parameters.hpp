@@ -34,7 +34,6 @@ enum class Quantity {
   drive_rms,       ///< relative, white from period to period
   slow_rms,        ///< relative, Ornstein-Uhlenbeck
   slow_time,       ///< s, its correlation time
-  rate_rms,        ///< relative, steps of the clock's own rate, white from period to period
   amplitude_rms,   ///< rad, of the amplitude column
 };
 

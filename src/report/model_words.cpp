@@ -30,16 +30,14 @@ std::string wander(const Analysis& data, bool told_a_change) {
   const FitSummary& fit = data.fit;
   const std::string change =
       fit.events.empty() && told_a_change ? ", which absorbs the change" : "";
-  const std::string besides = fit.model.wander ? " and a rate that wanders by itself" : "";
   const FittedParameter* slow = known(fit, "slow_rms");
   if (fit.model.slow)
     return " with a drive that wanders slowly" +
-           (slow != nullptr ? fmt::format(", by {} rms", percent(*slow)) : "") + besides + change;
+           (slow != nullptr ? fmt::format(", by {} rms", percent(*slow)) : "") + change;
   const FittedParameter* fast = known(fit, "drive_rms");
   if (fit.model.drive)
     return " with a drive that varies from period to period" +
-           (data.drive.split || fast == nullptr ? "" : fmt::format(", by {} rms", percent(*fast))) +
-           besides + (fit.model.wander ? change : "");
+           (data.drive.split || fast == nullptr ? "" : fmt::format(", by {} rms", percent(*fast)));
   return fit.model.walk ? " with periods that vary by themselves, one by one" + change : "";
 }
 

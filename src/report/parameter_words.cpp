@@ -19,7 +19,7 @@ struct ParameterWords {
   std::string_view meaning;
 };
 
-constexpr std::array<ParameterWords, 26> words{{
+constexpr std::array<ParameterWords, 25> words{{
     {"T0", "", "period of small free swings"},
     {"epsilon", "ε", "friction"},
     {"mu", "μ", "driving torque"},
@@ -37,7 +37,6 @@ constexpr std::array<ParameterWords, 26> words{{
     {"drive_rms", "", "variation of the drive from period to period, rms"},
     {"slow_rms", "", "slow variation of the drive, rms"},
     {"slow_time", "", "memory of the slow variation"},
-    {"rate_rms", "", "change of the clock's own rate from period to period, rms"},
     {"amplitude_rms", "", "scatter of the amplitudes, rms"},
     {"drift", "", "change of the rate per day"},
     {"temperature", "", "change of the rate per kelvin"},

@@ -98,12 +98,10 @@ FittedParameter in_shown_unit(const DisplayUnit& angle, FittedParameter paramete
   const bool is_scatter = parameter.name == "jitter_rms" || parameter.name == "walk_rms";
   const bool is_share = parameter.name == "drive_rms" || parameter.name == "slow_rms";
   const bool is_scatter_of_angles = parameter.name == "amplitude_rms";
-  const bool is_rate = parameter.name == "rate_rms";
-  if (parameter.unit != "rad" && !is_scatter && !is_share && !is_rate) return parameter;
+  if (parameter.unit != "rad" && !is_scatter && !is_share) return parameter;
   const DisplayUnit unit = is_scatter             ? short_time_unit(parameter.value)
                            : is_scatter_of_angles ? small_angle_unit(parameter.value)
                            : is_share             ? DisplayUnit{"%", 100.0}
-                           : is_rate              ? DisplayUnit{"s/day", seconds_per_day}
                                                   : angle;
   parameter.unit = unit.name;
   for (double* size : {&parameter.value, &parameter.sigma, &parameter.low68, &parameter.high68,

@@ -57,7 +57,7 @@ GOINGRATE_MEMBERS(FitEvent, cycle, names, movable, planned, at_crossing)
 GOINGRATE_MEMBERS(Prior, name, value, sigma)
 GOINGRATE_MEMBERS(FitOptions, dynamics, noise, escapement, events, possible_events, fixed, priors,
                   freed, start, profiles)
-GOINGRATE_MEMBERS(ModelChoice, escapement, quadratic, dry, amplitude_scale, jitter, walk, wander, drive,
+GOINGRATE_MEMBERS(ModelChoice, escapement, quadratic, dry, amplitude_scale, jitter, walk, drive,
                   slow, moments)
 GOINGRATE_MEMBERS(ProfilePoint, value, fall)
 GOINGRATE_MEMBERS(FittedParameter, name, unit, status, value, sigma, low68, high68, low95, high95,

@@ -74,7 +74,6 @@ struct ModelChoice {
   bool quadratic = false, dry = false;
   bool amplitude_scale = false; ///< the amplitude column is off by a factor
   bool jitter = true, walk = false, drive = false, slow = false;
-  bool wander = false; ///< the rate walks by itself, whatever the drive does
   /// What is known of the moment within a swing of an event that did not come at a crossing.
   enum class Moments { of_crossings, loose, fitted } moments = Moments::of_crossings;
 
