@@ -130,12 +130,13 @@ void tell(const BatchOutcome& outcome, const GlobalOptions& global) {
   if (now == 0) return;
   const double available = outcome.seconds * static_cast<double>(outcome.threads);
   say(global,
-      fmt::format("{} jobs in {:.3g} s by {} threads, which spent {:.1f} % of it in jobs, {:.3g} s "
-                  "each; the longest, job {}, took {:.3g} s",
-                  now, outcome.seconds, outcome.threads,
-                  100.0 * outcome.seconds_in_jobs / available,
-                  outcome.seconds_in_jobs / static_cast<double>(now), outcome.longest_job,
-                  outcome.longest_s));
+      fmt::format(
+          "{} job{} in {:.3g} s by {} threads, which spent {:.1f} % of it in jobs, {:.3g} s "
+          "each; the longest, job {}, took {:.3g} s",
+          now, now == 1 ? "" : "s", outcome.seconds, outcome.threads,
+          100.0 * outcome.seconds_in_jobs / available,
+          outcome.seconds_in_jobs / static_cast<double>(now), outcome.longest_job,
+          outcome.longest_s));
   if (outcome.failed > 0)
     say(global, outcome.failed == 1
                     ? "one job failed: its line says why"

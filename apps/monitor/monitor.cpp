@@ -89,7 +89,7 @@ public:
         watch_.give_up_unread();
         if (ends_for_good(options_.source)) throw;
         if (std::exchange(failure_, error.what()) != failure_)
-          say(global_, fmt::format("{}; trying again", failure_));
+          say(global_, fmt::format("warning: {}; trying again", failure_));
       }
       for (int tenth = 0; tenth < 10 && !is_to_end; ++tenth) {
         std::this_thread::sleep_for(std::chrono::milliseconds(100));

@@ -402,6 +402,24 @@ FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded) {
   return options;
 }
 
+// When the clock stopped at the end of the analysed part, or else before it; s from its first beat.
+static std::optional<double> stopped_s(const NumberedLog& loaded) {
+  const Instant begin = loaded.good.front().time;
+  const double end_s = loaded.good.back().time - begin;
+  const std::vector<Beat>& beats = loaded.beats.beats;
+  std::optional<double> at_s;
+  for (const Gap& gap : loaded.beats.gaps) {
+    if (gap.kind != GapKind::stop || gap.bridged) continue;
+    const auto last = std::find_if(beats.begin(), beats.end(), [&](const Beat& beat) {
+      return beat.cycle == gap.after_cycle && beat.flag == BeatFlag::good;
+    });
+    if (last == beats.end()) continue;
+    at_s = last->time - begin;
+    if (*at_s >= end_s) break;
+  }
+  return at_s;
+}
+
 DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loaded,
                                const Diary& diary, const DriveAnalysis& drive,
                                const FitSummary& fit) {
@@ -415,9 +433,7 @@ DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loade
     input.relaxation_s = 1.0 / (two_pi * drive.response->corner_hz);
   // Pushes that come seldom vary more than those in every swing; what is usual is not known.
   if (!times.impulses) input.fast_drive = fast_drive(drive, fit);
-  for (const Gap& gap : loaded.beats.gaps)
-    if (gap.kind == GapKind::stop && !gap.bridged)
-      input.stopped_s = static_cast<double>(gap.after_cycle) * loaded.nominal_period_s;
+  input.stopped_s = stopped_s(loaded);
   return input;
 }
 
@@ -493,6 +509,8 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   put_rates(level, loaded.nominal_period_s, data.diary);
   data.stretches = stretches_of(level, data.diary, loaded.nominal_period_s);
   data.now = rate_now(level, data.stretches.back(), loaded.nominal_period_s);
+  if (data.stretches.size() == 1 && std::isnan(data.now.rate.rate_excess_sigma))
+    data.now.rate = data.rate; // so few beats have no blocks to scatter, but a jitter
   const auto complete = [&](RateSummary& rate) {
     rate.nominal_is_known = loaded.nominal_is_known;
     add_time_base(rate, loaded.log.time_base_sigma);
@@ -502,6 +520,10 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   complete(data.now.rate);
   tell("looking at weather and amplitude");
   data.covariates = covariate_effects(times);
+  // A rate that follows the weather does not stay as it was at the end.
+  if (std::any_of(data.covariates.begin(), data.covariates.end(),
+                  [](const CovariateEffect& effect) { return effect.helps(); }))
+    data.now = data.stretches.back();
   tell_ways(times, data.fit, data.covariates);
   data.isochronism = isochronism(times, data.fit);
   tell("spectrum of the rate, fast and slow drive");

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace goingrate {
 
@@ -154,15 +155,37 @@ bool is_a_wheels(const ImpulseCycle& pushes, const TimingData& data) {
          std::none_of(data.wheels.begin(), data.wheels.end(), goes_with_pushes);
 }
 
+// The mean of the first or the last known amplitudes, rad.
+double amplitude_at_end(const TimingData& data, bool last) {
+  constexpr std::size_t averaged = 20; // amplitudes
+  std::vector<double> known;
+  for (const double amplitude : data.amplitude_rad)
+    if (!std::isnan(amplitude)) known.push_back(amplitude);
+  const std::size_t count = std::min(averaged, known.size());
+  const auto from = last ? known.end() - static_cast<std::ptrdiff_t>(count) : known.begin();
+  return std::accumulate(from, from + static_cast<std::ptrdiff_t>(count), 0.0) /
+         static_cast<double>(count);
+}
+
+// Pushes once in N swings. A swing that loses more than all of them give is not kept up by them:
+// what recurs in a ring-down has another cause.
+std::optional<ImpulseCycle> pushes_of(const TimingData& data) {
+  std::optional<ImpulseCycle> found = find_impulse_cycle(data);
+  if (!found || !found->amplitude_step) return found;
+  const double given = found->amplitude_step->value * data.cycle.back() / found->periods;
+  const double lost = amplitude_at_end(data, false) - amplitude_at_end(data, true);
+  return lost > given ? std::nullopt : found;
+}
+
 // Pushes once in N swings, or else wheels of the train, which are subtracted. What a wheel does may
 // pass for pushes once in many of its turns.
 void find_what_recurs(TimingData& data) {
-  data.impulses = find_impulse_cycle(data);
+  data.impulses = pushes_of(data);
   TimingData without = data;
   level_wheels(without);
   if (data.impulses && !is_a_wheels(*data.impulses, without)) return;
   data = std::move(without);
-  if (!data.wheels.empty()) data.impulses = find_impulse_cycle(data);
+  if (!data.wheels.empty()) data.impulses = pushes_of(data);
 }
 
 } // namespace

@@ -201,8 +201,7 @@ private:
           "dead-time", *request_.dead_time_s,
           fmt::format("at most half of the period found with it, {} s", readable(typical, 4)));
     loaded_.nominal_period_s = nominal_period(log, loaded_.beats, log.assumptions);
-    loaded_.nominal_is_known = log.nominal_period_s || loaded_.nominal_period_s != typical ||
-                               rounded_period(typical) == std::round(typical * 4.0) / 4.0;
+    loaded_.nominal_is_known = log.nominal_period_s || usual_period(typical);
     // A period given in the request is believed; one that the log states must match its beats.
     const bool possible = std::abs(typical / loaded_.nominal_period_s - 1.0) <= largest_rate_excess;
     if (possible || request_.reading.nominal_period_s) return;

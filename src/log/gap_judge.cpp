@@ -124,6 +124,8 @@ GapCount GapJudge::count(std::span<const Beat> beats, std::size_t first, std::si
 bool GapJudge::reference_was_set(const ClockFilter& before, const ClockFilter& after,
                                  double elapsed_s) const {
   constexpr double hour = 3600.0;
+  constexpr double longest_swing_s = 60.0; // readings and strokes come whole hours apart anyway
+  if (period_ > longest_swing_s) return false;
   const double period = 0.5 * (before.period() + after.period());
   const double hours = std::round((elapsed_s - period) / hour);
   if (hours == 0.0) return false;

@@ -14,21 +14,30 @@
 
 namespace goingrate {
 
-double rounded_period(double period_s) {
-  const double quarters = std::round(period_s * 4.0) / 4.0;
-  return quarters > 0.0 && std::abs(period_s / quarters - 1.0) < 0.002 ? quarters : period_s;
+std::optional<double> usual_period(double period_s) {
+  // Pendulums swing in quarter seconds; clocks are read, or strike, at half minutes and half hours.
+  constexpr double longest_swing_s = 60.0, shortest_half_hours_s = 1700.0;
+  const double step_s = period_s < longest_swing_s         ? 0.25
+                        : period_s < shortest_half_hours_s ? 30.0
+                                                           : 1800.0;
+  constexpr double largest_rate_excess = 0.002; // 3 minutes a day
+  const double usual = std::round(period_s / step_s) * step_s;
+  if (!(usual > 0.0) || !(std::abs(period_s / usual - 1.0) < largest_rate_excess)) return {};
+  return usual;
 }
+
+double rounded_period(double period_s) { return usual_period(period_s).value_or(period_s); }
 
 double nominal_period(const ClockLog& log, const Beats& beats,
                       std::vector<Assumption>& assumptions) {
   if (log.nominal_period_s) return *log.nominal_period_s;
   const double mean = beats.typical_period_s;
-  const double quarters = rounded_period(mean);
-  if (quarters != mean) {
-    assumptions.push_back(
-        {fmt::format("nominal period {} s, the mean period {:.6f} s rounded", quarters, mean),
-         Setting::nominal_period});
-    return quarters;
+  if (const auto usual = usual_period(mean)) {
+    if (*usual != mean)
+      assumptions.push_back(
+          {fmt::format("nominal period {} s, the mean period {:.6f} s rounded", *usual, mean),
+           Setting::nominal_period});
+    return *usual;
   }
   assumptions.push_back(
       {fmt::format("no nominal period is known: rates are relative to the mean period {:.9g} s",

@@ -19,9 +19,9 @@ std::string one_of(const std::vector<Cause>& causes) {
 class Explanation {
 public:
   Explanation(const Suspicion& suspicion, const Wording& words, bool sees_amplitude,
-              std::string_view when)
+              std::string_view when, std::string_view drive)
       : suspicion_(suspicion), numbers_(suspicion.numbers), words_(words),
-        sees_amplitude_(sees_amplitude), when_(when) {}
+        sees_amplitude_(sees_amplitude), when_(when), drive_(drive) {}
 
   [[nodiscard]] std::string text() const {
     std::string sentence = seen_and_meant();
@@ -51,7 +51,8 @@ private:
     case Cause::length_drift:
       return fmt::format("the rate {} by {} each day{}: most likely the pendulum's length "
                          "drifts, as it does while a suspension stretches or a rod dries",
-                         falls_or_rises(), size(), sees_amplitude_ ? " and the swing does not follow" : "");
+                         falls_or_rises(), size(),
+                         sees_amplitude_ ? " and the swing does not follow" : "");
     case Cause::temperature:
       return fmt::format("the rate follows the temperature: it {} by {} per kelvin",
                          falls_or_rises(), size());
@@ -78,9 +79,8 @@ private:
     const std::string by = when_.empty() ? fmt::format(", by {} in the end", signed_size()) : "";
     switch (suspicion_.cause) {
     case Cause::drive_step:
-      return fmt::format("most likely the force that drives the pendulum changed {}: the rate "
-                         "jumped at once and then moved on{}",
-                         moment, by);
+      return fmt::format("most likely {} changed {}: the rate jumped at once and then moved on{}",
+                         drive_, moment, by);
     case Cause::friction_step:
       return fmt::format("most likely the friction changed {}: the rate did not jump, it moved as "
                          "the swing did{}",
@@ -108,10 +108,10 @@ private:
                          "the train, or something moved by one, turns once in that time",
                          size(), numbers_.period_s);
     case Cause::sensor_shift:
-      return fmt::format("{} the beats begin to come {} {} than before, and the clock goes on as it "
-                         "did: most likely the sensor was moved",
-                         words_.moment(numbers_.at_s), short_time(std::abs(numbers_.size), 0.0),
-                         late_or_early());
+      return fmt::format(
+          "{} the beats begin to come {} {} than before, and the clock goes on as it "
+          "did: most likely the sensor was moved",
+          words_.moment(numbers_.at_s), short_time(std::abs(numbers_.size), 0.0), late_or_early());
     case Cause::knock:
       return fmt::format("the times jump in {} places, farthest {}, where the beats begin to come "
                          "{} {}, and the clock goes on as it did: most likely it was knocked",
@@ -157,7 +157,7 @@ private:
   const CauseNumbers& numbers_;
   const Wording& words_;
   bool sees_amplitude_;
-  std::string_view when_;
+  std::string_view when_, drive_;
 };
 
 } // namespace
@@ -205,8 +205,8 @@ std::string_view owners_name(Cause cause) {
 }
 
 std::string explanation(const Suspicion& suspicion, const Wording& words, bool sees_amplitude,
-                        std::string_view when) {
-  return Explanation(suspicion, words, sees_amplitude, when).text();
+                        std::string_view when, std::string_view drive) {
+  return Explanation(suspicion, words, sees_amplitude, when, drive).text();
 }
 
 } // namespace goingrate

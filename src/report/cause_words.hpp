@@ -13,8 +13,9 @@ std::string_view owners_name(Cause cause);
 
 /// One sentence: what is seen, its most likely cause, and the causes that the log cannot tell from
 /// it. For a step whose rates were given before, `when` refers to its moment, such as "then"; if it
-/// is empty, the sentence gives moment and size.
+/// is empty, the sentence gives moment and size. `drive` is what a change of the drive changed.
 std::string explanation(const Suspicion& suspicion, const Wording& words, bool sees_amplitude,
-                        std::string_view when = {});
+                        std::string_view when = {},
+                        std::string_view drive = "the force that drives the pendulum");
 
 } // namespace goingrate

@@ -130,9 +130,10 @@ std::string_view page::style() { return page_style; }
 namespace {
 
 std::string figure_html(const Figure& figure, std::string_view live) {
-  return fmt::format("<figure>\n<h3>{}</h3>\n{}<div class=\"still\">\n{}</div>\n"
-                     "<figcaption>{}</figcaption>\n</figure>\n",
-                     escape_markup(figure.title), live, svg(figure), escape_markup(figure.caption));
+  return fmt::format(
+      "<figure aria-label=\"{0}\">\n<h3>{0}</h3>\n{1}<div class=\"still\">\n{2}</div>\n"
+      "<figcaption>{3}</figcaption>\n</figure>\n",
+      escape_markup(figure.title), live, svg(figure), escape_markup(figure.caption));
 }
 
 // The element in which page.js draws a plot, and its save buttons. The tabindex lets the element

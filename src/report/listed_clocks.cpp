@@ -24,7 +24,7 @@ std::string parameters_of(const ClockTwin& clock, const FitSummary& fit, const D
     p.sigma = clock.sigma[i].second;
     p = in_shown_unit(angle, p);
     if (!std::isfinite(p.sigma)) continue;
-    values.push_back(fmt::format("{} {}{}{}", symbol_of(name), with_sigma(p.value, p.sigma),
+    values.push_back(fmt::format("{} {}{}{}", label_of(name), with_sigma(p.value, p.sigma),
                                  p.unit.empty() ? "" : " ", p.unit));
   }
   return values.empty() ? "none of its parameters is determined"

@@ -49,9 +49,8 @@ std::string undetermined(const FitSummary& fit) {
   for (const std::string_view name : asked)
     if (const FittedParameter* found = fit.find(name);
         found != nullptr && found->status == ParameterStatus::undetermined)
-      names.push_back(symbol_of(name).empty()
-                          ? fmt::format("the {}", meaning_of(name))
-                          : fmt::format("the {} {}", meaning_of(name), symbol_of(name)));
+      names.push_back(has_symbol(name) ? fmt::format("the {} {}", meaning_of(name), symbol_of(name))
+                                       : fmt::format("the {}", meaning_of(name)));
   return listed(names, "or");
 }
 

@@ -327,7 +327,7 @@
 
   // ---- saving
 
-  const fileName = (plot) => plot.panels[0].title.toLowerCase().replace(/[^a-z0-9]+/g, "-");
+  const fileName = (plot) => plot.panels[0].title.toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/-$/, "");
 
   function download(name, text, type) {
     const link = document.createElement("a");

@@ -20,7 +20,7 @@ struct ParameterWords {
 };
 
 constexpr std::array<ParameterWords, 25> words{{
-    {"T0", "", "period of small free swings"},
+    {"T0", "T0", "period of small free swings"},
     {"epsilon", "ε", "friction"},
     {"mu", "μ", "driving torque"},
     {"phi0", "φ0", "angle at which the torque changes its sign"},
@@ -94,6 +94,11 @@ std::string word_in_symbols(std::string_view word) {
 std::string symbol_of(std::string_view name) {
   const std::string_view base = base_of(name);
   return word_in_symbols(base) + std::string(name.substr(base.size()));
+}
+
+bool has_symbol(std::string_view name) {
+  const ParameterWords* found = find(base_of(name));
+  return found != nullptr && !found->symbol.empty();
 }
 
 std::string label_of(std::string_view name) {

@@ -9,6 +9,9 @@ namespace goingrate {
 /// "ε" for "epsilon", "μ@1" for "mu@1"; a name without a symbol is returned unchanged.
 std::string symbol_of(std::string_view name);
 
+/// Whether physicists write it as a letter: "epsilon" and "T0", not "impulse".
+bool has_symbol(std::string_view name);
+
 /// As symbol_of(), with a name without a symbol in words: "dry friction", "jitter rms".
 std::string label_of(std::string_view name);
 

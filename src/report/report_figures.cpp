@@ -74,6 +74,7 @@ private:
     return {"time since the first beat", std::string(unit_.name)};
   }
   [[nodiscard]] Series running_mean(std::span<const double> error) const;
+  [[nodiscard]] std::size_t end_of_stretch(std::size_t begin) const;
   [[nodiscard]] Series against_time(Series::Style style, std::string label, std::vector<double> y,
                                     int colour) const {
     return {style, std::move(label), time_, std::move(y), {}, {}, colour};
@@ -87,23 +88,38 @@ private:
 };
 
 // The mean rate over a window is the error gained in it divided by its length: no sum is needed.
+// A window ends where a change of the rate is dated, so that the line shows it as sharp as it was.
 Series TimeFigures::running_mean(std::span<const double> error) const {
   constexpr std::size_t windows = 100;     // in the length of the log
   constexpr std::size_t fewest_beats = 10; // beats
   const std::size_t reach = std::max(fewest_beats, data_.beats.size() / windows) / 2;
   Series mean{Series::Style::line, "", {}, {}, {}, {}, vermilion};
   if (data_.beats.size() < 4 * fewest_beats) return mean;
-  double longest = 0.0;
+  std::size_t begin = 0, end = end_of_stretch(0);
   for (std::size_t i = reach; i + reach < data_.beats.size(); ++i) {
-    const std::size_t from = i - reach;
-    const std::size_t to = i + reach;
+    while (i > end)
+      end = end_of_stretch(begin = end);
+    const std::size_t from = std::max(begin, i - reach);
+    const std::size_t to = std::min(end, i + reach);
     const double elapsed = data_.beats[to].time - data_.beats[from].time;
-    longest = std::max(longest, elapsed);
     mean.x.push_back(time_[i]);
     mean.y.push_back(words_.rate_unit().factor * (error[to] - error[from]) / elapsed);
   }
   mean.label = fmt::format("mean over {} beats", 2 * reach);
   return mean;
+}
+
+// The last beat of the stretch of one rate that begins with beat `begin`.
+std::size_t TimeFigures::end_of_stretch(std::size_t begin) const {
+  const auto next =
+      std::find_if(data_.stretches.begin(), data_.stretches.end(), [&](const PartRate& part) {
+        return part.from_cycle > data_.beats[begin].cycle;
+      });
+  if (next == data_.stretches.end()) return data_.beats.size() - 1;
+  const auto at =
+      std::lower_bound(data_.beats.begin(), data_.beats.end(), next->from_cycle,
+                       [](const Beat& beat, std::int64_t cycle) { return beat.cycle < cycle; });
+  return static_cast<std::size_t>(at - data_.beats.begin());
 }
 
 Figure TimeFigures::rate() const {

@@ -8,6 +8,7 @@
 #include "part_words.hpp"
 #include "wording.hpp"
 
+#include "base/scaled_time.hpp"
 #include "causes/rate_step.hpp"
 #include "log/usual_step.hpp"
 
@@ -136,6 +137,8 @@ private:
   [[nodiscard]] std::string rate_words(double rate, double sigma) const;
   [[nodiscard]] std::string every_nth() const;
   [[nodiscard]] bool moves_on() const;
+  [[nodiscard]] bool has_settled() const;
+  [[nodiscard]] bool escapement_angle_changed(double at_s) const;
   [[nodiscard]] bool is_near_an_interruption(const Suspicion& suspicion) const;
   [[nodiscard]] bool has(bool (*kind)(Cause)) const {
     return std::any_of(suspicions_.begin(), suspicions_.end(),
@@ -167,6 +170,15 @@ std::string Sentences::rate_words(double rate, double sigma) const {
 }
 
 // Whether the rate at the end differs from the mean rate of the last stretch.
+// Whether the swing has had the time to follow the last change.
+bool Sentences::has_settled() const {
+  constexpr double relaxations = 7.0; // after which a thousandth is left
+  return !changes_.empty() && data_.drive.response &&
+         two_pi * data_.drive.response->corner_hz *
+                 (data_.rate.duration_s - changes_.back()->at_s) >
+             relaxations;
+}
+
 bool Sentences::moves_on() const {
   return !data_.stretches.empty() && data_.now.from_cycle > data_.stretches.back().from_cycle;
 }
@@ -276,8 +288,10 @@ std::string Sentences::whether_worse() const {
   if (data_.beats.size() < least_diagnosed_beats)
     trend = fmt::format("the log is too short, with {} beats, to tell whether it is getting worse",
                         data_.beats.size());
-  else if (has(is_drift))
+  else if (!suspicions_.empty() && is_drift(suspicions_.front().cause))
     trend = "the rate has moved in one direction throughout this log";
+  else if (has(is_drift))
+    trend = "besides, the rate has drifted through this log";
   else if (has([](Cause cause) { return cause == Cause::slow_drive || cause == Cause::unknown; }))
     trend = "the rate is not steady, but shows no trend through the log";
   else if (suspicions_.empty() && !stop_is_told(data_) && out_of_beat().empty())
@@ -302,6 +316,18 @@ std::string less_likely(std::string explanation) {
   return explanation.replace(at - 1, superlative.size() + 1, begins ? "Probably" : "probably");
 }
 
+// Whether the change that the fit has at this time is of that angle alone.
+bool Sentences::escapement_angle_changed(double at_s) const {
+  constexpr double dating_share = 0.01; // of the log: dates of one change
+  return std::any_of(data_.fit.events.begin(), data_.fit.events.end(), [&](const FitEvent& event) {
+    const double event_s = static_cast<double>(event.cycle) * data_.rate.mean_period_s;
+    return std::abs(event_s - at_s) < dating_share * data_.rate.duration_s &&
+           std::all_of(event.names.begin(), event.names.end(), [](const std::string& name) {
+             return name == "phi0" || name == "impulse_angle";
+           });
+  });
+}
+
 // The likeliest cause, and the likeliest of another kind.
 void Sentences::say_what_it_suffers_from() {
   if (suspicions_.empty()) return;
@@ -311,7 +337,11 @@ void Sentences::say_what_it_suffers_from() {
       changes_.size() == 1 && is_step(first.cause) &&
       std::abs(first.numbers.at_s - changes_.front()->at_s) < dating_share * data_.rate.duration_s;
   const std::string advice = first.advice.empty() ? "" : " " + first.advice;
-  say(explanation(first, words_, sees_amplitude_, told ? "then" : "") + advice);
+  const bool is_angle = escapement_angle_changed(first.numbers.at_s);
+  say((is_angle ? explanation(first, words_, sees_amplitude_, told ? "then" : "",
+                              "the angle at which the escapement acts")
+                : explanation(first, words_, sees_amplitude_, told ? "then" : "")) +
+      advice);
   const auto other = std::find_if(suspicions_.begin(), suspicions_.end(),
                                   [&](const Suspicion& s) { return s.cause != first.cause; });
   if (other != suspicions_.end())
@@ -355,7 +385,8 @@ std::string Sentences::what_to_do() const {
   if (!data_.rate.nominal_is_known)
     return "State the period that the clock should have, and this report will give its rate.";
   if (const std::string nut = zero_rate(); !nut.empty()) {
-    const bool settles = moves_on() && changes_.size() == 1; // a wandering rate never settles
+    // A wandering rate never settles.
+    const bool settles = moves_on() && changes_.size() == 1 && !has_settled();
     return settles ? "Once the rate has come to rest, " + nut : capitalised(nut);
   }
   if (!suspicions_.empty()) return "";

@@ -130,9 +130,24 @@ DerivedQuantity as_shown(const DisplayUnit& angle, const FitSummary& fit,
   return quantity;
 }
 
+namespace {
+
+// The unit of the log's length, or a smaller one in which its earliest change is not a small part
+// of one.
+DisplayUnit unit_of_moments(const Analysis& data) {
+  constexpr double least = 0.1; // of the unit
+  double earliest_s = data.rate.duration_s;
+  for (const Change& change : data.diary.changes)
+    earliest_s = std::min(earliest_s, change.at_s);
+  const DisplayUnit unit = time_unit(data.rate.duration_s);
+  return unit.factor * earliest_s < least ? time_unit(earliest_s) : unit;
+}
+
+} // namespace
+
 Wording::Wording(const Analysis& data)
     : rate_(unit_of_rates(data)), angle_(unit_of_angles(data)),
-      time_(time_unit(data.rate.duration_s)) {
+      duration_(time_unit(data.rate.duration_s)), moment_(unit_of_moments(data)) {
   if (data.beats.empty()) return;
   first_ = data.beats.front().time;
   is_dated_ = may_be_date(first_);
@@ -162,11 +177,11 @@ std::string Wording::angle(double rad, double sigma) const {
 }
 
 std::string Wording::duration(double seconds) const {
-  return fmt::format("{} {}", with_sigma(time_.factor * seconds, 0.0, 3), time_.name);
+  return fmt::format("{} {}", with_sigma(duration_.factor * seconds, 0.0, 3), duration_.name);
 }
 
 std::string Wording::time_since(double at_s) const {
-  return fmt::format("{} {}", with_sigma(time_.factor * at_s, 0.0, 4), time_.name);
+  return fmt::format("{} {}", with_sigma(moment_.factor * at_s, 0.0, 4), moment_.name);
 }
 
 std::string Wording::moment(double at_s) const {

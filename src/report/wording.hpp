@@ -68,7 +68,7 @@ public:
 private:
   [[nodiscard]] std::string time_since(double at_s) const;
 
-  DisplayUnit rate_, angle_, time_;
+  DisplayUnit rate_, angle_, duration_, moment_;
   Instant first_;
   bool is_dated_ = false;
 };

@@ -97,9 +97,9 @@ TEST(AnalyseTest, ACoarseLoggerShowsNoWheel) {
       request.path = "coarse";
       request.reading.nominal_period_s = 1.7;
       const Analysis data = analyse(load_text(text, request));
-      const bool is_told = std::any_of(
-          data.suspicions.begin(), data.suspicions.end(),
-          [](const Suspicion& suspicion) { return suspicion.cause == Cause::wheel; });
+      const bool is_told =
+          std::any_of(data.suspicions.begin(), data.suspicions.end(),
+                      [](const Suspicion& suspicion) { return suspicion.cause == Cause::wheel; });
       EXPECT_EQ(is_told, wheel_s > 0.0) << seed;
     }
 }

@@ -54,7 +54,10 @@ TEST_F(CommandTest, AReportsFiguresAndTablesAreWritten) {
   for (const char* name : {"f/rate.svg", "f/rate.csv", "f/spectrum.svg", "t/rates.csv",
                            "t/parameters.csv", "t/parameters.tex", "t/spectrum.csv"})
     EXPECT_TRUE(std::filesystem::exists(folder_ / name)) << name;
-  EXPECT_EQ(content(folder_ / "f/rate.csv").substr(0, 19), "series,x,y,low,high");
+  const std::string rates = content(folder_ / "f/rate.csv");
+  EXPECT_EQ(rates.substr(0, rates.find('\n')), R"(series,"time since the first beat (min)",
+            "rate (s/day)", "low (s/day)", "high (s/day)")
+  ");
 }
 
 TEST_F(CommandTest, LinesAreNamedByTheTrain) {

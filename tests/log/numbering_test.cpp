@@ -5,6 +5,7 @@
 #include "support/faulty_log.hpp"
 #include "support/simulated.hpp"
 
+#include <cmath>
 #include <gtest/gtest.h>
 
 namespace goingrate {
@@ -213,6 +214,27 @@ TEST(NumberingTest, ARingDownFromALargeSwingIsCountedThrough) {
     EXPECT_EQ(beats.missed, 0);
     EXPECT_EQ(beats.segments, 1u);
     EXPECT_EQ(beats.longest_segment().size(), 401u);
+  }
+}
+
+// A clock that is read every hour by day and not at night: the readings of the next morning come
+// whole hours later, as if the reference had been set, and are counted all the same.
+TEST(NumberingTest, NightsWithoutReadingsAreCounted) {
+  for (const std::uint64_t seed : {71, 72, 73, 74}) {
+    RandomStream random(seed, StreamPurpose::jitter);
+    ClockLog log;
+    for (int day = 0; day < 15; ++day)
+      for (int hour = 8; hour < 20; ++hour) {
+        if (random.normal() < -1.5) continue; // one reading of fifteen is forgotten
+        const double true_s = 3600.0 * (24 * day + hour);
+        const double late_s = 4e-5 * true_s + 0.2 * random.normal();
+        log.events.push_back(event_at(Instant::from_seconds(true_s + late_s)));
+      }
+    const Beats beats = number_beats(log, {});
+    EXPECT_EQ(beats.segments, 1u) << seed;
+    EXPECT_EQ(beats.beats.back().cycle - beats.beats.front().cycle,
+              std::llround((beats.beats.back().time - beats.beats.front().time) / 3600.14))
+        << seed;
   }
 }
 

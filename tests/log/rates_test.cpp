@@ -91,9 +91,19 @@ TEST(RatesTest, TheNominalPeriodIsGuessedOnlyWhereItIsPlain) {
   EXPECT_EQ(nominal_period(log, beats, assumptions), 2.0);
   beats.typical_period_s = 1.63;
   EXPECT_EQ(nominal_period(log, beats, assumptions), 1.63);
+  EXPECT_FALSE(usual_period(1.63));
   log.nominal_period_s = 1.6;
   EXPECT_EQ(nominal_period(log, beats, assumptions), 1.6);
   EXPECT_EQ(assumptions.size(), 2u) << "each guess is said, what is given is not";
+}
+
+TEST(RatesTest, AClockThatIsReadOrStrikesHasWholeHalfMinutesOrHalfHours) {
+  EXPECT_EQ(usual_period(3601.0), 3600.0); // loses 24 s/day
+  EXPECT_EQ(usual_period(3599.5), 3600.0);
+  EXPECT_EQ(usual_period(86'410.0), 86'400.0);
+  EXPECT_EQ(usual_period(60.02), 60.0);
+  EXPECT_EQ(usual_period(899.4), 900.0);
+  EXPECT_FALSE(usual_period(3623.0)); // 9 minutes a day
 }
 
 TEST(RatesTest, SimulatedStationaryClockRunsAtItsExactRate) {

@@ -28,11 +28,15 @@ struct RateSummary {
   double time_base_sigma = 0.0;   ///< of the clock that took the times; the sigmas above include it
 };
 
-/// A period as it is shown: a multiple of a quarter second if it is within 0.2 % of one.
+/// The period that a clock of about this period is likely to be meant to have, if one is within
+/// 0.2 %: a multiple of a quarter second for a pendulum, of half a minute or half an hour for a
+/// clock that is read or strikes.
+std::optional<double> usual_period(double period_s);
+/// The usual period, or the period itself if there is none.
 double rounded_period(double period_s);
 
-/// The nominal period to compare with: the one given, the log's own, or else a guess: the mean
-/// period rounded to a quarter second where that is within 0.2 %, else the mean period itself.
+/// The nominal period to compare with: the one given, the log's own, or else a guess: the
+/// usual period that the mean period is close to, else the mean period itself.
 /// The guess and its reason are appended to `assumptions`.
 double nominal_period(const ClockLog& log, const Beats& beats,
                       std::vector<Assumption>& assumptions);

@@ -70,7 +70,8 @@ std::string standalone_svg(const Figure& figure);
 /// Figures one above the other as one file; their ids must differ.
 std::string stacked_svg(const std::vector<Figure>& figures);
 
-/// The numbers of a figure as CSV: series,x,y,low,high; a field without a number is empty.
+/// The numbers of a figure as CSV: the series, x and y with the labels and units of their axes, and the
+/// ends low and high of bars and bands; a field without a number is empty.
 std::string figure_csv(const Figure& figure);
 
 /// The CSS of all figures. Custom properties change its colours: --text, --grid, --paper and
