@@ -34,6 +34,13 @@ bool set_unit(LogColumn& column, std::string_view unit);
 /// The short name of a unit: "s", "ms", "us" ...; "?" for a unit without one.
 std::string_view name_of(TimeUnit unit);
 
+/// Whether a column of this name may hold the state of a light gate: "GateState", "state". Its 0
+/// and 1 say whether the flag is in the gate, and not in which direction it goes.
+bool names_gate_state(std::string_view name);
+
+/// Whether a name or unit says that a column is a speed of turning: "Gyroscope x (rad/s)".
+bool names_turning_speed(std::string_view name);
+
 /// The direction that a word in an edge column stands for. Up: up, rising, right, R, tick, 1; down:
 /// down, falling, left, L, tock, 0; nothing for any other word. Case and whatever follows a hyphen
 /// ("up-in") are ignored.

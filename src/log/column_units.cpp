@@ -62,14 +62,25 @@ std::optional<TimeUnit> unit_for_step(double step, const ColumnSample& sample) {
   return {};
 }
 
+// Looks again at times that are dates, now that the order of day and month is known.
+void Detection::sample_dates(std::size_t time) {
+  LogColumn& column = layout_.columns[time];
+  column.unit = days_alone_ ? in_days : in_seconds;
+  const DateColumns from{time, layout_.find(ColumnRole::date), days_alone_};
+  samples_[time] = head_.sample_of_dates(from, layout_.month_first ? DateOrder::month_first
+                                                                   : DateOrder::day_first);
+}
+
 void Detection::settle_times() {
   const auto at = layout_.find(ColumnRole::time);
   if (at) {
     const ColumnSample& sample = samples_[*at];
     layout_.date_begins_run = layout_.find(ColumnRole::date) && is_number(*at);
-    layout_.calendar = is_calendar(*at) || (layout_.find(ColumnRole::date) && !is_number(*at));
-    const bool date = sample.has_date || layout_.find(ColumnRole::date);
+    layout_.calendar =
+        is_calendar(*at) || days_alone_ || (layout_.find(ColumnRole::date) && !is_number(*at));
+    const bool date = sample.has_date || days_alone_ || layout_.find(ColumnRole::date);
     if (date) settle_date_order(layout_.find(ColumnRole::date).value_or(*at));
+    if (date && layout_.calendar) sample_dates(*at);
     if (layout_.calendar && !date) layout_.wrap_s = 86400.0;
     if (options_.wrap_s) layout_.wrap_s = options_.wrap_s;
     refuse_fast_counter(sample);
@@ -91,7 +102,7 @@ void Detection::settle_times() {
   settle_angle_unit();
   settle_weather_units();
   if (at && layout_.find(ColumnRole::clock_error)) {
-    const TimeUnit& unit = layout_.columns[*at].unit;
+    const TimeUnit unit = layout_.calendar ? in_seconds : layout_.columns[*at].unit;
     const double step = samples_[*at].typical_step * unit.seconds * std::pow(10.0, unit.power);
     const bool label = layout_.format == LogFormat::clock_error || std::fmod(step, 0.25) == 0.0;
     if (label && step > 0.0 && step < 1e9) layout_.label_step_s = step;

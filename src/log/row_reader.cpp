@@ -34,6 +34,8 @@ RowReader::RowReader(const Layout& layout, const ReadingOptions& options, ClockL
   }
   for (std::size_t i = 0; i < weather_.size(); ++i)
     weather_[i] = layout.find(weather_quantities[i].role);
+  gate_state_ = edge_ && names_gate_state(layout.columns[*edge_].name);
+  days_alone_ = time_ && layout.calendar && layout.columns[*time_].unit == in_days;
   plain_ = layout.columns.size() == 1 && time_ && !layout.calendar &&
            layout.columns[*time_].unit == in_seconds;
   if (!phase_ && !frequency_) return;
@@ -200,23 +202,28 @@ bool RowReader::read_edge(const Line& line, Beat& beat) {
   const std::string_view word = field.text;
   const auto edge = edge_named(word);
   if (!edge) {
-    reject_field(line, field, "up or down");
+    reject_field(line, field, gate_state_ ? "0 or 1" : "up or down");
+    return false;
+  }
+  if (gate_state_ && word.size() == 1) { // the direction is not known
+    const bool is_one = word == "1", covers_at_one = layout_.columns[*edge_].scale == 1.0;
+    accept_gate_edge(line, beat, is_one == covers_at_one);
     return false;
   }
   beat.edge = *edge;
   if (!word.ends_with("-in") && !word.ends_with("-out")) return true;
-  accept_gate_edge(line, beat, word);
+  accept_gate_edge(line, beat, word.ends_with("-in"));
   return false;
 }
 
 // The two edges of one passage become its middle and its width.
-void RowReader::accept_gate_edge(const Line& line, const Beat& beat, std::string_view word) {
+void RowReader::accept_gate_edge(const Line& line, const Beat& beat, bool enters) {
   const auto incomplete = [&](std::size_t number, std::string_view which) {
     ++rejected_;
     issues_.add(number, 1, IssueKind::incomplete,
                 fmt::format("one edge of a passage without its {}", which), "edge left out");
   };
-  if (word.ends_with("-in")) {
+  if (enters) {
     if (entered_) incomplete(entered_->line, "second");
     entered_ = beat;
     return;
