@@ -258,6 +258,23 @@ bool set_unit(LogColumn& column, std::string_view text) {
   return false;
 }
 
+std::string_view units_of(ColumnRole role) {
+  if (is_time_role(role) || is_time_scale_role(role)) return "s, ms, us, ns, min, h, d, mjd";
+  switch (role) {
+  case ColumnRole::amplitude:
+  case ColumnRole::angle:
+    return "rad, mrad, urad, deg";
+  case ColumnRole::temperature:
+    return "degC, degF, K";
+  case ColumnRole::pressure:
+    return "mbar, hPa, Pa, kPa, bar, inHg, mmHg, torr";
+  case ColumnRole::humidity:
+    return "%, 1";
+  default:
+    return {};
+  }
+}
+
 NamedColumn column_named(std::string_view text) {
   const auto [name, unit] = name_and_unit(text);
   NamedColumn result;

@@ -31,6 +31,9 @@ std::optional<DatedPhases> dated_phases_named(std::string_view date, std::string
 /// and changes nothing, if the unit is unknown or does not suit the column's role.
 bool set_unit(LogColumn& column, std::string_view unit);
 
+/// The names of the units that suit a role, in words; empty if it has none.
+std::string_view units_of(ColumnRole role);
+
 /// The short name of a unit: "s", "ms", "us" ...; "?" for a unit without one.
 std::string_view name_of(TimeUnit unit);
 

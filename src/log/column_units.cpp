@@ -145,15 +145,20 @@ void Detection::refuse_unread_samples(std::size_t time) const {
     if (layout_.columns[i].role != ColumnRole::ignored || !samples_[i].smooth ||
         samples_[i].crossings < 3)
       continue;
-    const std::string angle = fmt::format("angle={}", i + 1);
-    throw ImpossibleReading(
-        log_.place(head_.rows.front().number),
-        fmt::format("times {:.3g} s apart beside column {}, which swings", step_s, i + 1),
-        "beats, or samples of an angle",
-        {{.words = fmt::format("column {} holds the angle (an angular velocity is divided by 2π/T "
-                               "first)",
-                               i + 1),
-          .columns = {angle}}});
+    const std::string& name = layout_.columns[i].name;
+    const bool turns = names_turning_speed(name);
+    OtherReading other{.words = fmt::format("column {} holds the angle", i + 1),
+                       .columns = {fmt::format("angle={}", i + 1)}};
+    if (turns) {
+      other.words = "the times at which that is 0 are wanted, without amplitudes (over 2π/T, T the "
+                    "period, such a speed is nearly an angle)";
+      other.columns = {fmt::format("position={}", i + 1)};
+    }
+    throw ImpossibleReading(log_.place(head_.rows.front().number),
+                            fmt::format("times {:.3g} s apart beside column {}, {}which swings{}",
+                                        step_s, i + 1, name.empty() ? "" : shown(name) + ", ",
+                                        turns ? " and is a speed of turning, no angle" : ""),
+                            "beats, or samples of an angle", {std::move(other)});
   }
 }
 
