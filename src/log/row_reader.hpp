@@ -96,6 +96,7 @@ private:
 
   // The other columns: NaN where there is nothing to read.
   double number_at(const Line& line, const Place& place, std::string_view expected);
+  bool is_mark(std::size_t column, std::string_view text, double value);
   double amplitude_at(const Line& line);
   bool read_edge(const Line& line, Beat& beat);
 
@@ -112,6 +113,11 @@ private:
   Place time_, date_, period_, half_period_, error_, phase_, frequency_, amplitude_, angle_, height_,
       width_, edge_, channel_;
   std::array<Place, weather_quantities.size()> weather_;
+  struct Range {
+    double least = 0.0, most = 0.0;
+    std::size_t values = 0;
+  };
+  std::vector<Range> ranges_; // of each column's values so far
   std::vector<Field> fields_;
   std::string date_and_time_; // of two columns, or of a date alone and midnight
   double zone_s_;             // of dates that name none, east of Greenwich

@@ -175,7 +175,8 @@ std::optional<Instant> RowReader::accumulated_time(const Line& line, std::size_t
   const LogColumn& meaning = layout_.columns[column];
   auto period = parse_instant(fields_[column].text, meaning.unit, layout_.point);
   const double size = period ? period->to_double() : unknown;
-  const bool usable = size > 0.0 && size < longest_period_s && !all_nines(fields_[column].text);
+  const bool usable =
+      size > 0.0 && size < longest_period_s && !is_mark(column, fields_[column].text, size);
   if (!usable) {
     if (!line.ended) {
       reject_field(line, fields_[column], "a period");
@@ -243,7 +244,7 @@ void RowReader::add_on_grid(const Line& line, std::size_t column) {
   }
   const bool empty =
       layout_.format == LogFormat::phase && !log_.grid->phase_s.empty() && value == 0.0;
-  if (!value || empty || all_nines(field.text)) {
+  if (!value || empty || is_mark(column, field.text, *value)) {
     --data_lines_; // left empty on purpose: no sign of a wrong format
     return leave_place(line, field.column, IssueKind::gap,
                        empty ? "an exact zero, which stands for a gap" : "no value");
