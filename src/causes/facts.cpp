@@ -62,8 +62,19 @@ void look_at_displacements(const DiagnosisInput& input, const std::vector<Displa
                  numbers});
 }
 
-// A healthy sensor misses at most one beat in a thousand. Beats missing in a row count once: a
-// break in the log is not the sensor's fault.
+// The share of all beats that are missing in holes of a few: a longer one is a break in the log.
+double missed_share(const TimingData& data) {
+  constexpr double longest_hole = 20.0; // beats
+  double missed = 0.0;
+  for (std::size_t i = 1; i < data.size(); ++i) {
+    const double hole = std::round(data.cycle[i] - data.cycle[i - 1]) - 1.0;
+    missed += is_hole(data, i) && hole <= longest_hole ? hole : 0.0;
+  }
+  return missed / (missed + static_cast<double>(data.size()));
+}
+
+// A healthy sensor misses at most one beat in a thousand. Whether this one does is judged by the
+// places, at which beats missing in a row count once: a break in the log is not the sensor's fault.
 void look_at_missed(const DiagnosisInput& input, std::vector<Suspicion>& all) {
   constexpr double usual_missed_share = 1e-3;
   double missed = 0.0;
@@ -80,14 +91,14 @@ void look_at_missed(const DiagnosisInput& input, std::vector<Suspicion>& all) {
              (beats - missed) * std::log1p(-usual_missed_share)) -
       std::log(beats);
   CauseNumbers numbers;
-  numbers.size = share;
+  numbers.size = missed_share(*input.data);
   numbers.places = static_cast<std::size_t>(missed);
   if (gain > convincing_gain)
     all.push_back(
         {Cause::missed_beats,
          gain,
          fmt::format("beats are missing at {:.0f} points of the log, {:.2g} % of all beats", missed,
-                     100.0 * share),
+                     100.0 * numbers.size),
          {},
          "Clean and aim the sensor; the clock itself may be well.",
          numbers});

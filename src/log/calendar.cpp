@@ -1,5 +1,6 @@
 #include "calendar.hpp"
 
+#include <array>
 #include <chrono>
 #include <string>
 
@@ -8,6 +9,7 @@ namespace goingrate {
 namespace {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
 // Takes pieces off the front of a text.
 class Taker {
@@ -130,9 +132,39 @@ std::optional<std::chrono::year_month_day> day_with_year_behind(Taker& text, Dat
   return day_first ? day_first : month_first;
 }
 
+// "Feb", "february": the number of a month by its English name, whole or its first three letters.
+std::optional<int> named_month(Taker& text) {
+  constexpr std::array<std::string_view, 12> names{"january",   "february", "march",    "april",
+                                                   "may",       "june",     "july",     "august",
+                                                   "september", "october",  "november", "december"};
+  std::string word;
+  while (!text.rest.empty() && is_letter(text.rest.front())) {
+    word += static_cast<char>(text.rest.front() | 0x20); // a small letter
+    text.rest.remove_prefix(1);
+  }
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (word == names[i] || word == names[i].substr(0, 3)) return static_cast<int>(i) + 1;
+  return {};
+}
+
+// "22 Feb 2013", "22-Feb-2013".
+std::optional<std::chrono::year_month_day> day_with_named_month(Taker& text) {
+  constexpr std::string_view between = " -/.";
+  Taker forwards(text);
+  const auto day = forwards.number(1, 2);
+  if (!day || !forwards.any_of(between)) return {};
+  const auto month = named_month(forwards);
+  if (!month || !forwards.any_of(between)) return {};
+  const auto year = forwards.number(4, 4);
+  if (!year) return {};
+  text = forwards;
+  return date_of(*year, *month, *day);
+}
+
 std::optional<std::chrono::year_month_day> day_of(Taker& text, DateOrder order) {
-  const auto day = day_with_year_in_front(text);
-  return day ? day : day_with_year_behind(text, order);
+  if (const auto day = day_with_year_in_front(text)) return day;
+  if (const auto day = day_with_year_behind(text, order)) return day;
+  return day_with_named_month(text);
 }
 
 } // namespace

@@ -17,6 +17,9 @@ struct CalendarTime {
   bool has_zone = false; ///< the text names a zone; a date without one is taken as UTC
 };
 
+/// Behind a date alone: its time of day.
+inline constexpr std::string_view midnight = " 0:00";
+
 /// Which number of 03/04/2013 is the day.
 enum class DateOrder : std::uint8_t {
   either, ///< the first, or, if that gives no date, the second
@@ -26,7 +29,8 @@ enum class DateOrder : std::uint8_t {
 
 /// Parses a timestamp such as 2013-02-22 23:38:00.2279906, which consists of:
 /// - a date: year, month and day separated by '-', '_', '/' or '.', or in the forms 22.02.2013
-///   and 22/02/2013, or 02/22/2013, as `order` says;
+///   and 22/02/2013, or 02/22/2013, as `order` says, or 22 Feb 2013 with the English name of the
+///   month or its first three letters;
 /// - a blank, 'T', '_' or '-';
 /// - hours, minutes and, optionally, seconds, separated by ':', '-' or '_', and AM or PM if hours
 ///   are counted to twelve;

@@ -217,6 +217,21 @@ std::string_view name_of(TimeUnit unit) {
   return "?";
 }
 
+bool names_gate_state(std::string_view name) {
+  std::string word = lower(name);
+  std::erase_if(word, [](char c) { return c == ' ' || c == '_' || c == '-' || c == '"'; });
+  return word == "state" || word == "gate" || word.find("gatestate") != word.npos ||
+         word.find("photogate") != word.npos || word.find("lightgate") != word.npos;
+}
+
+bool names_turning_speed(std::string_view name) {
+  const std::string plain = plain_unit(name);
+  constexpr std::array<std::string_view, 8> words{"gyro",  "angvel", "angularvel",   "angularspeed",
+                                                  "rad/s", "deg/s",  "winkelgeschw", "rads-1"};
+  return std::any_of(words.begin(), words.end(),
+                     [&](std::string_view word) { return plain.find(word) != plain.npos; });
+}
+
 std::optional<Edge> edge_named(std::string_view text) {
   const std::string word = lower(text.substr(0, text.find('-')));
   constexpr std::array<std::string_view, 6> up{"up", "rising", "right", "r", "tick", "1"};
@@ -243,12 +258,30 @@ bool set_unit(LogColumn& column, std::string_view text) {
   return false;
 }
 
+std::string_view units_of(ColumnRole role) {
+  if (is_time_role(role) || is_time_scale_role(role)) return "s, ms, us, ns, min, h, d, mjd";
+  switch (role) {
+  case ColumnRole::amplitude:
+  case ColumnRole::angle:
+    return "rad, mrad, urad, deg";
+  case ColumnRole::temperature:
+    return "degC, degF, K";
+  case ColumnRole::pressure:
+    return "mbar, hPa, Pa, kPa, bar, inHg, mmHg, torr";
+  case ColumnRole::humidity:
+    return "%, 1";
+  default:
+    return {};
+  }
+}
+
 NamedColumn column_named(std::string_view text) {
   const auto [name, unit] = name_and_unit(text);
   NamedColumn result;
   result.column.name = std::string(text);
   result.column.role = role_of(name);
-  const auto before_unit = std::string_view(name).substr(0, name.find_last_of("_ "));
+  auto before_unit = std::string_view(name).substr(0, name.find_last_of("_ "));
+  if (before_unit.ends_with(" in")) before_unit.remove_suffix(3);   // "T in s"
   if (unit_named(unit) && role_of(before_unit) == ColumnRole::time) // "unix_s", "t ms"
     result.column.role = ColumnRole::time;
   result.has_unit = set_unit(result.column, unit);

@@ -62,14 +62,25 @@ std::optional<TimeUnit> unit_for_step(double step, const ColumnSample& sample) {
   return {};
 }
 
+// Looks again at times that are dates, now that the order of day and month is known.
+void Detection::sample_dates(std::size_t time) {
+  LogColumn& column = layout_.columns[time];
+  column.unit = days_alone_ ? in_days : in_seconds;
+  const DateColumns from{time, layout_.find(ColumnRole::date), days_alone_};
+  samples_[time] = head_.sample_of_dates(from, layout_.month_first ? DateOrder::month_first
+                                                                   : DateOrder::day_first);
+}
+
 void Detection::settle_times() {
   const auto at = layout_.find(ColumnRole::time);
   if (at) {
     const ColumnSample& sample = samples_[*at];
     layout_.date_begins_run = layout_.find(ColumnRole::date) && is_number(*at);
-    layout_.calendar = is_calendar(*at) || (layout_.find(ColumnRole::date) && !is_number(*at));
-    const bool date = sample.has_date || layout_.find(ColumnRole::date);
+    layout_.calendar =
+        is_calendar(*at) || days_alone_ || (layout_.find(ColumnRole::date) && !is_number(*at));
+    const bool date = sample.has_date || days_alone_ || layout_.find(ColumnRole::date);
     if (date) settle_date_order(layout_.find(ColumnRole::date).value_or(*at));
+    if (date && layout_.calendar) sample_dates(*at);
     if (layout_.calendar && !date) layout_.wrap_s = 86400.0;
     if (options_.wrap_s) layout_.wrap_s = options_.wrap_s;
     refuse_fast_counter(sample);
@@ -91,7 +102,7 @@ void Detection::settle_times() {
   settle_angle_unit();
   settle_weather_units();
   if (at && layout_.find(ColumnRole::clock_error)) {
-    const TimeUnit& unit = layout_.columns[*at].unit;
+    const TimeUnit unit = layout_.calendar ? in_seconds : layout_.columns[*at].unit;
     const double step = samples_[*at].typical_step * unit.seconds * std::pow(10.0, unit.power);
     const bool label = layout_.format == LogFormat::clock_error || std::fmod(step, 0.25) == 0.0;
     if (label && step > 0.0 && step < 1e9) layout_.label_step_s = step;
@@ -134,15 +145,20 @@ void Detection::refuse_unread_samples(std::size_t time) const {
     if (layout_.columns[i].role != ColumnRole::ignored || !samples_[i].smooth ||
         samples_[i].crossings < 3)
       continue;
-    const std::string angle = fmt::format("angle={}", i + 1);
-    throw ImpossibleReading(
-        log_.place(head_.rows.front().number),
-        fmt::format("times {:.3g} s apart beside column {}, which swings", step_s, i + 1),
-        "beats, or samples of an angle",
-        {{.words = fmt::format("column {} holds the angle (an angular velocity is divided by 2π/T "
-                               "first)",
-                               i + 1),
-          .columns = {angle}}});
+    const std::string& name = layout_.columns[i].name;
+    const bool turns = names_turning_speed(name);
+    OtherReading other{.words = fmt::format("column {} holds the angle", i + 1),
+                       .columns = {fmt::format("angle={}", i + 1)}};
+    if (turns) {
+      other.words = "the times at which that is 0 are wanted, without amplitudes (over 2π/T, T the "
+                    "period, such a speed is nearly an angle)";
+      other.columns = {fmt::format("position={}", i + 1)};
+    }
+    throw ImpossibleReading(log_.place(head_.rows.front().number),
+                            fmt::format("times {:.3g} s apart beside column {}, {}which swings{}",
+                                        step_s, i + 1, name.empty() ? "" : shown(name) + ", ",
+                                        turns ? " and is a speed of turning, no angle" : ""),
+                            "beats, or samples of an angle", {std::move(other)});
   }
 }
 

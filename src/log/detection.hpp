@@ -14,9 +14,12 @@ namespace goingrate {
 /// than seconds. Samples of an angle may be closer together.
 std::optional<TimeUnit> unit_for_step(double step, const ColumnSample& sample);
 
-/// The layout of one log while it is being found. The part that uses the names of columns is in
-/// layout_detection.cpp, the part that uses the lines in format_recognition.cpp, and units and the
-/// check of times are in column_units.cpp.
+/// Whether most of a column's numbers go one way, as times do.
+bool is_steady(const ColumnSample& sample);
+
+/// The layout of one log while it is being found. What comes from the names of columns is in
+/// layout_detection.cpp, what comes from the lines in format_recognition.cpp, units and the check
+/// of times in column_units.cpp.
 class Detection {
 public:
   Detection(const LogHead& head, const ReadingOptions& options, ClockLog& log)
@@ -25,6 +28,7 @@ public:
     layout_.point = head.point;
     layout_.first_line = head.rows.front().number;
     layout_.columns.resize(head.columns);
+    names_ = head.names;
     samples_.reserve(head.columns);
     for (std::size_t i = 0; i < head.columns; ++i)
       samples_.push_back(head.sample(i));
@@ -46,6 +50,9 @@ private:
            // Invalid dates further on are left to the reader, which reports their place.
            (column == 0 && !is_number(0) && parse_calendar(first_[0].text, layout_.point));
   }
+  [[nodiscard]] bool are_days(std::size_t column) const {
+    return column < samples_.size() && samples_[column].dates * 2 > samples_[column].rows;
+  }
   [[nodiscard]] bool is_edge(std::size_t column) const {
     return column < samples_.size() && samples_[column].edges * 2 > samples_[column].rows;
   }
@@ -56,14 +63,24 @@ private:
 
   Layout weather();
   bool read_names();
+  void settle_dates();
+  void sample_dates(std::size_t time);
+  [[nodiscard]] std::optional<std::size_t> named_days() const;
   bool settle_dated_phases();
+  void refuse_double_commas() const;
+  std::size_t settle_gate_state();
+  [[nodiscard]] bool is_covered_at_one(std::size_t time, std::size_t state) const;
+  void settle_named_periods();
   void leave_out(std::size_t column);
   [[nodiscard]] bool has_intervals() const;
+  [[nodiscard]] bool is_timed() const;
   std::size_t settle_intervals();
   void settle_counter();
   [[nodiscard]] LogFormat format_of_names() const;
   [[nodiscard]] LogFormat format_of_contents() const;
   [[nodiscard]] LogFormat format_of_one_column() const;
+  /// Whether a column's numbers are of one size, and that of a period.
+  [[nodiscard]] bool are_alike(const ColumnSample& sample) const;
   [[nodiscard]] bool looks_like_clock_error() const;
   [[nodiscard]] bool has_date_in_front() const;
   void fill_columns(bool named);
@@ -86,6 +103,8 @@ private:
   ClockLog& log_;
   std::vector<Field> first_; // a row that has all columns
   std::vector<ColumnSample> samples_;
+  bool days_alone_ = false;        // the times are dates without a time of day
+  std::vector<std::string> names_; // of the columns, where the head has them
   std::vector<bool> stated_unit_;
   Layout layout_;
 };

@@ -41,12 +41,23 @@ Field without_key(Field field, bool is_first) {
   return {field.text.substr(key), field.column + key};
 }
 
+// Where a field that begins with a quotation mark at `begin` ends: behind the mark that closes it
+// before a blank or the line's end. 0 if there is none.
+std::size_t quoted_end(std::string_view line, std::size_t begin) {
+  if (begin >= line.size() || line[begin] != '"') return 0;
+  for (std::size_t at = line.find('"', begin + 1); at != std::string_view::npos;
+       at = line.find('"', at + 1))
+    if (at + 1 == line.size() || is_blank(line[at + 1])) return at + 1;
+  return 0;
+}
+
 void split_at_blanks(std::string_view line, std::vector<Field>& fields) {
   std::size_t i = 0;
   while (i < line.size() && fields.size() <= most_fields) {
     while (i < line.size() && is_blank(line[i]))
       ++i;
     const std::size_t begin = i;
+    if (const std::size_t end = quoted_end(line, begin)) i = end;
     while (i < line.size() && !is_blank(line[i]))
       ++i;
     if (i == begin) continue;

@@ -47,9 +47,24 @@ LogFormat Detection::format_of_contents() const {
     if (is_calendar(i) || is_edge(i)) return LogFormat::table;
   if (timed || !options_.columns.empty()) return LogFormat::table;
   const HeadLine& first = head_.rows.front();
+  if (are_days(0) && is_number(1))
+    throw ImpossibleReading(log_.place(first.number), shown(first.text), "a known layout",
+                            {{.words = "column 2 is the clock's error on each date",
+                              .columns = {"time=1", "error=2"}}});
   throw ImpossibleReading(log_.place(first.number), shown(first.text), "a known layout",
                           {{.words = "column 1 holds the times", .columns = {"time=1"}},
                            {.words = "column 1 holds periods", .columns = {"period=1"}}});
+}
+
+bool is_steady(const ColumnSample& sample) {
+  constexpr double least_rising = 0.6, least_falling = 0.7; // of the steps
+  return sample.rising > least_rising || sample.falling > least_falling;
+}
+
+bool Detection::are_alike(const ColumnSample& sample) const {
+  constexpr double largest_spread = 0.2; // of the median
+  return sample.least >= 0.0 && sample.spread < largest_spread * sample.median &&
+         (options_.unit || unit_for_step(sample.median, sample));
 }
 
 LogFormat Detection::format_of_one_column() const {
@@ -58,13 +73,11 @@ LogFormat Detection::format_of_one_column() const {
     const HeadLine& first = head_.rows.front();
     throw InputError(log_.place(first.number), shown(first.text), "one time per line");
   }
-  const bool steady = !is_number(0) || only.rising > 0.6 || only.falling > 0.7;
+  const bool steady = !is_number(0) || is_steady(only);
   const bool beats = !is_number(0) || options_.unit || unit_for_step(only.typical_step, only);
   if ((steady && beats) || options_.wrap_s) return LogFormat::timestamps;
   // Periods of one clock are nearly equal, whereas a clock's error has no typical value.
-  const bool alike = only.least >= 0.0 && only.spread < 0.2 * only.median &&
-                     (options_.unit || unit_for_step(only.median, only));
-  if (alike) return LogFormat::periods;
+  if (are_alike(only)) return LogFormat::periods;
   if (only.whole && only.least >= 0.0 && only.most > 100.0) {
     const HeadLine& first = head_.rows.front();
     throw ImpossibleReading(

@@ -65,7 +65,7 @@ bool is_value(std::string_view text, char point) {
 }
 
 bool is_date(std::string_view text) {
-  return text.size() >= 8 && parse_calendar(fmt::format("{} 0:0", text)).has_value();
+  return text.size() >= 8 && parse_calendar(fmt::format("{}{}", text, midnight)).has_value();
 }
 
 // "tick", "down": a direction in front of the numbers.
@@ -119,6 +119,10 @@ void name_columns(LogHead& head) {
     return name_vernier_columns(head);
   if (!head.titles.empty()) {
     head.names = names_in(head.titles.back().text, head.separator);
+    // Blanks do not cut the name of a single column, "Time in s", unless it is a sentence.
+    constexpr std::size_t most_words = 3;
+    if (head.columns == 1 && head.names.size() > 1 && head.names.size() <= most_words)
+      head.names = names_in(head.titles.back().text, '\n');
     return;
   }
   // "# time_s, amplitude_rad" as a comment: as many words as columns, the last such line.
@@ -254,17 +258,45 @@ void describe_swing(ColumnSample& sample, const std::vector<double>& values) {
 
 } // namespace
 
-ColumnSample LogHead::sample(std::size_t column) const {
-  // Each row is cut up once per column, so fewer rows of wide tables are examined.
+namespace {
+
+// Each row is cut up for each column, so that wide tables are known by fewer rows.
+std::span<const HeadLine> rows_looked_at(const LogHead& head) {
   constexpr std::size_t most_fields_cut = 4'000'000, always = 400;
-  const std::size_t looked_at =
-      std::min(rows.size(), std::max(always, most_fields_cut / (columns * columns)));
+  const std::size_t most = std::max(always, most_fields_cut / (head.columns * head.columns));
+  return std::span(head.rows).first(std::min(head.rows.size(), most));
+}
+
+void add_calendar(ColumnSample& sample, const CalendarTime& time, std::vector<double>& values) {
+  ++sample.calendars;
+  sample.has_date = sample.has_date || time.has_date;
+  values.push_back(time.time.to_double());
+  sample.whole = sample.whole && time.time.fraction == 0.0;
+}
+
+void describe(ColumnSample& sample, std::vector<double>& values) {
+  if (values.empty()) return;
+  const auto [least, most] = std::minmax_element(values.begin(), values.end());
+  sample.least = *least;
+  sample.most = *most;
+  describe_steps(sample, values);
+  describe_swing(sample, values);
+  sample.median = median_of(values); // their order is not needed any more
+  for (double& value : values)
+    value = std::abs(value - sample.median);
+  sample.spread = median_of(values);
+}
+
+} // namespace
+
+ColumnSample LogHead::sample(std::size_t column) const {
+  const auto looked_at = rows_looked_at(*this);
   ColumnSample result;
   std::vector<double> values;
-  values.reserve(looked_at);
+  values.reserve(looked_at.size());
   std::vector<Field> row;
-  for (std::size_t i = 0; i < looked_at; ++i) {
-    split_fields(rows[i].text, separator, row);
+  for (const HeadLine& line : looked_at) {
+    split_fields(line.text, separator, row);
     if (column >= row.size()) continue;
     ++result.rows;
     const std::string_view text = row[column].text;
@@ -274,26 +306,32 @@ ColumnSample LogHead::sample(std::size_t column) const {
       values.push_back(*number);
       result.whole = result.whole && text.find(point) == std::string_view::npos;
     } else if (const auto time = parse_calendar(text, point)) {
-      ++result.calendars;
-      result.has_date = result.has_date || time->has_date;
-      values.push_back(time->time.to_double());
-      result.whole = result.whole && time->time.fraction == 0.0;
+      add_calendar(result, *time, values);
     } else if (is_date(text)) {
       ++result.dates;
     } else if (is_edge_word(text)) {
       ++result.edges;
     }
   }
-  if (values.empty()) return result;
-  const auto [least, most] = std::minmax_element(values.begin(), values.end());
-  result.least = *least;
-  result.most = *most;
-  describe_steps(result, values);
-  describe_swing(result, values);
-  result.median = median_of(values); // their order is not needed any more
-  for (double& value : values)
-    value = std::abs(value - result.median);
-  result.spread = median_of(values);
+  describe(result, values);
+  return result;
+}
+
+ColumnSample LogHead::sample_of_dates(const DateColumns& from, DateOrder order) const {
+  ColumnSample result;
+  std::vector<double> values;
+  std::vector<Field> row;
+  std::string text;
+  for (const HeadLine& line : rows_looked_at(*this)) {
+    split_fields(line.text, separator, row);
+    if (std::max(from.time, from.date.value_or(0)) >= row.size()) continue;
+    ++result.rows;
+    text.clear();
+    if (from.date) text.append(row[*from.date].text).append(" ");
+    text.append(row[from.time].text).append(from.days_alone ? midnight : "");
+    if (const auto time = parse_calendar(text, point, order)) add_calendar(result, *time, values);
+  }
+  describe(result, values);
   return result;
 }
 

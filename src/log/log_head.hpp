@@ -1,6 +1,7 @@
 // The beginning of a log, cut into comments, header and rows, for recognising its layout.
 #pragma once
 
+#include "calendar.hpp"
 #include "fields.hpp"
 
 #include <cstdint>
@@ -37,6 +38,13 @@ struct ColumnSample {
   bool smooth = false;       ///< neighbours are alike, as samples of a swing are
 };
 
+/// Where the dates of a log stand.
+struct DateColumns {
+  std::size_t time = 0;              ///< of the times of day, or of dates with them
+  std::optional<std::size_t> date{}; ///< of the dates, if they have a column of their own
+  bool days_alone = false;           ///< `time` holds dates without a time of day
+};
+
 struct LogHead {
   std::vector<HeadLine> comments; ///< '#' or '%' lines before and among the data
   std::vector<HeadLine> titles;   ///< other lines before the data
@@ -52,6 +60,8 @@ struct LogHead {
   /// The value of the comment "key: value"; nothing if there is none.
   [[nodiscard]] std::optional<std::string_view> value_of(std::string_view key) const;
   [[nodiscard]] ColumnSample sample(std::size_t column) const;
+  /// The same of dates, whose day and month come in a known order.
+  [[nodiscard]] ColumnSample sample_of_dates(const DateColumns& from, DateOrder order) const;
 };
 
 /// Cuts `text`; unless it is `whole`, its last line may be incomplete and is then left out. With

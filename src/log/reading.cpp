@@ -1,6 +1,7 @@
 #include "goingrate/log/reading.hpp"
 
 #include "beginning.hpp"
+#include "column_names.hpp"
 #include "issue_list.hpp"
 #include "labx.hpp"
 #include "layout_detection.hpp"
@@ -167,11 +168,13 @@ void find_crossings(const RowReader& rows, const Layout& layout, const ReadingOp
                                Setting::rest_angle});
 }
 
-// Times of crossings may come from one direction or from both. A log of our own has a column of
-// edges if it holds both.
+// Times of crossings may be those of one direction or of both. A log of our own has a column of
+// edges where it holds both. The state of a light gate tells no direction.
 bool directions_are_open(const LogHead& head, const Layout& layout) {
   const auto has = [&](ColumnRole role) { return layout.find(role).has_value(); };
-  return has(ColumnRole::time) && !has(ColumnRole::edge) && !has(ColumnRole::clock_error) &&
+  const auto edge = layout.find(ColumnRole::edge);
+  const bool tells_edges = edge && !names_gate_state(layout.columns[*edge].name);
+  return has(ColumnRole::time) && !tells_edges && !has(ColumnRole::clock_error) &&
          layout.format != LogFormat::angle && !head.value_of("goingrate log");
 }
 

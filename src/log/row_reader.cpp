@@ -5,6 +5,7 @@
 #include "base/decimal.hpp"
 #include "base/large_pages.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
@@ -27,13 +28,16 @@ RowReader::RowReader(const Layout& layout, const ReadingOptions& options, ClockL
       frequency_(layout.find(ColumnRole::frequency)),
       amplitude_(layout.find(ColumnRole::amplitude)), angle_(layout.find(ColumnRole::angle)),
       width_(layout.find(ColumnRole::width)), edge_(layout.find(ColumnRole::edge)),
-      channel_(layout.find(ColumnRole::channel)), zone_s_(options.zone_s) {
+      channel_(layout.find(ColumnRole::channel)), ranges_(layout.columns.size()),
+      zone_s_(options.zone_s) {
   if (!angle_) {
     angle_ = layout.find(ColumnRole::position);
     if (angle_) height_ = layout.find(ColumnRole::height);
   }
   for (std::size_t i = 0; i < weather_.size(); ++i)
     weather_[i] = layout.find(weather_quantities[i].role);
+  gate_state_ = edge_ && names_gate_state(layout.columns[*edge_].name);
+  days_alone_ = time_ && layout.calendar && layout.columns[*time_].unit == in_days;
   plain_ = layout.columns.size() == 1 && time_ && !layout.calendar &&
            layout.columns[*time_].unit == in_seconds;
   if (!phase_ && !frequency_) return;
@@ -167,17 +171,32 @@ bool RowReader::row_fits(const Line& line) {
   return false;
 }
 
+// Whether a value stands for none: it is all nines and lies outside of what the column held so far,
+// by more than its values may still spread.
+bool RowReader::is_mark(std::size_t column, std::string_view text, double value) {
+  constexpr double margin = 0.25, // of the range
+      slight = 0.01;              // of the value: of a column that hardly changes
+  Range& range = ranges_[column];
+  if (all_nines(text)) {
+    const double spread = std::max(margin * (range.most - range.least), slight * std::abs(value));
+    const bool is_within = value >= range.least - spread && value <= range.most + spread;
+    if (range.values == 0 || !is_within) return true;
+  }
+  range.least = range.values == 0 ? value : std::min(range.least, value);
+  range.most = range.values == 0 ? value : std::max(range.most, value);
+  ++range.values;
+  return false;
+}
+
 double RowReader::number_at(const Line& line, const Place& place, std::string_view expected) {
   if (!place) return unknown;
   const Field& field = fields_[*place];
   const auto value = parse_number(field.text, layout_.point);
-  // Four nines or more mark a missing value, except for a pressure or a humidity that can be real:
-  // 999.9 mbar, 99.99 %.
+  // As a pressure or a humidity nines can be real in any log: 999.9 mbar, 99.99 %.
   constexpr double most_mbar = 1100.0, most_percent = 100.0;
   const bool can_be_real = value && ((place == weather_[1] && *value < most_mbar) ||
                                      (place == weather_[2] && *value <= most_percent));
-  const bool no_value = all_nines(field.text) && !can_be_real;
-  if (value && !no_value) return *value;
+  if (value && (can_be_real || !is_mark(*place, field.text, *value))) return *value;
   if (!says_nothing(field.text)) // an empty field or NaN says so itself: no issue
     issues_.add(line.number, field.column, value ? IssueKind::no_value : IssueKind::unreadable,
                 fmt::format("found {}, expected {}", shown(field.text), expected),
@@ -200,23 +219,28 @@ bool RowReader::read_edge(const Line& line, Beat& beat) {
   const std::string_view word = field.text;
   const auto edge = edge_named(word);
   if (!edge) {
-    reject_field(line, field, "up or down");
+    reject_field(line, field, gate_state_ ? "0 or 1" : "up or down");
+    return false;
+  }
+  if (gate_state_ && word.size() == 1) { // the direction is not known
+    const bool is_one = word == "1", covers_at_one = layout_.columns[*edge_].scale == 1.0;
+    accept_gate_edge(line, beat, is_one == covers_at_one);
     return false;
   }
   beat.edge = *edge;
   if (!word.ends_with("-in") && !word.ends_with("-out")) return true;
-  accept_gate_edge(line, beat, word);
+  accept_gate_edge(line, beat, word.ends_with("-in"));
   return false;
 }
 
 // The two edges of one passage become its middle and its width.
-void RowReader::accept_gate_edge(const Line& line, const Beat& beat, std::string_view word) {
+void RowReader::accept_gate_edge(const Line& line, const Beat& beat, bool enters) {
   const auto incomplete = [&](std::size_t number, std::string_view which) {
     ++rejected_;
     issues_.add(number, 1, IssueKind::incomplete,
                 fmt::format("one edge of a passage without its {}", which), "edge left out");
   };
-  if (word.ends_with("-in")) {
+  if (enters) {
     if (entered_) incomplete(entered_->line, "second");
     entered_ = beat;
     return;

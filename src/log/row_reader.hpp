@@ -88,6 +88,7 @@ private:
 
   [[nodiscard]] Field time_field();
   [[nodiscard]] DateOrder date_order() const;
+  [[nodiscard]] std::string_view expected_time(std::string_view text) const;
   std::optional<Instant> parsed_time(std::string_view text);
   [[nodiscard]] bool is_sentinel(std::string_view text, const Instant& time) const;
   bool is_cut_short(const Line& line, std::string_view text);
@@ -96,6 +97,7 @@ private:
 
   // The other columns: NaN where there is nothing to read.
   double number_at(const Line& line, const Place& place, std::string_view expected);
+  bool is_mark(std::size_t column, std::string_view text, double value);
   double amplitude_at(const Line& line);
   bool read_edge(const Line& line, Beat& beat);
 
@@ -103,7 +105,7 @@ private:
   void accept(const Line& line, Beat beat);
   void push(const Beat& beat);
   void append(const Line& line, const Beat& beat, double width_s);
-  void accept_gate_edge(const Line& line, const Beat& beat, std::string_view word);
+  void accept_gate_edge(const Line& line, const Beat& beat, bool enters);
 
   Layout layout_;
   ClockLog& log_;
@@ -112,8 +114,13 @@ private:
   Place time_, date_, period_, half_period_, error_, phase_, frequency_, amplitude_, angle_, height_,
       width_, edge_, channel_;
   std::array<Place, weather_quantities.size()> weather_;
+  struct Range {
+    double least = 0.0, most = 0.0;
+    std::size_t values = 0;
+  };
+  std::vector<Range> ranges_; // of each column's values so far
   std::vector<Field> fields_;
-  std::string date_and_time_; // of two columns
+  std::string date_and_time_; // of two columns, or of a date alone and midnight
   double zone_s_;             // of dates that name none, east of Greenwich
   std::vector<AngleSample> samples_;
   std::vector<double> heights_;
@@ -128,6 +135,8 @@ private:
   Instant grid_begin_; // where its values have dates
   std::optional<Oscillation> oscillation_; // of the row before
   std::optional<Instant> stamp_; // the coarse time of the line before
+  bool gate_state_;              // the column of edges says whether the flag is in the gate
+  bool days_alone_;              // the times are dates without a time of day
   bool plain_;                   // nothing but seconds, one number per line
   bool in_order_ = true;
   std::optional<Beat> entered_; // the first of a gate's two edges

@@ -4,6 +4,7 @@
 #include "beginning.hpp"
 #include "calendar.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
@@ -28,9 +29,14 @@ DateOrder RowReader::date_order() const {
   return layout_.month_first ? DateOrder::month_first : DateOrder::day_first;
 }
 
-// The text of the time, preceded by the date if that has a column of its own.
+// The text of the time, after that of the date if it has a column of its own; of a date alone, that
+// of its midnight.
 Field RowReader::time_field() {
   const Field& time = fields_[*time_];
+  if (days_alone_) {
+    date_and_time_.assign(time.text).append(midnight);
+    return {date_and_time_, time.column};
+  }
   if (!date_ || layout_.date_begins_run) return time;
   const Field& date = fields_[*date_];
   date_and_time_.assign(date.text).append(" ").append(time.text);
@@ -91,11 +97,24 @@ double RowReader::typical_step_s() const {
   return count > 0.0 ? sum / count : 0.0;
 }
 
+// What a time should have been; of one in words, the forms of dates that are read.
+std::string_view RowReader::expected_time(std::string_view text) const {
+  const bool has_letters = std::any_of(text.begin(), text.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+  });
+  if (days_alone_) return "a date";
+  if (!has_letters || says_nothing(text))
+    return layout_.calendar ? "a date and time" : "a time in seconds";
+  return "a time in seconds, or a date such as 2013-02-22 23:38:00, 22.02.2013 23:38 or 22 Feb "
+         "2013 "
+         "23:38";
+}
+
 std::optional<Instant> RowReader::written_time(const Line& line) {
   const Field field = time_field();
   auto time = parsed_time(field.text);
   if (!time) {
-    reject_field(line, field, layout_.calendar ? "a date and time" : "a time in seconds");
+    reject_field(line, days_alone_ ? fields_[*time_] : field, expected_time(field.text));
     return {};
   }
   if (is_sentinel(field.text, *time)) {
@@ -156,7 +175,8 @@ std::optional<Instant> RowReader::accumulated_time(const Line& line, std::size_t
   const LogColumn& meaning = layout_.columns[column];
   auto period = parse_instant(fields_[column].text, meaning.unit, layout_.point);
   const double size = period ? period->to_double() : unknown;
-  const bool usable = size > 0.0 && size < longest_period_s && !all_nines(fields_[column].text);
+  const bool usable =
+      size > 0.0 && size < longest_period_s && !is_mark(column, fields_[column].text, size);
   if (!usable) {
     if (!line.ended) {
       reject_field(line, fields_[column], "a period");
@@ -224,7 +244,7 @@ void RowReader::add_on_grid(const Line& line, std::size_t column) {
   }
   const bool empty =
       layout_.format == LogFormat::phase && !log_.grid->phase_s.empty() && value == 0.0;
-  if (!value || empty || all_nines(field.text)) {
+  if (!value || empty || is_mark(column, field.text, *value)) {
     --data_lines_; // left empty on purpose: no sign of a wrong format
     return leave_place(line, field.column, IssueKind::gap,
                        empty ? "an exact zero, which stands for a gap" : "no value");

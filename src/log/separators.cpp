@@ -54,7 +54,8 @@ std::string_view without_blanks_behind(std::string_view line) {
   return line.substr(0, last == std::string_view::npos ? 0 : last + 1);
 }
 
-// Whether the lines are dates with times followed by AM or PM: blanks do not cut such a time.
+// Whether the lines are times that blanks would cut elsewhere than between a date and a time of
+// day: AM or PM or a zone stand behind, or the month is named.
 bool are_whole_times(const std::vector<HeadLine>& lines) {
   std::size_t whole = 0, all = 0;
   for (const HeadLine& line : lines) {
@@ -62,7 +63,8 @@ bool are_whole_times(const std::vector<HeadLine>& lines) {
     ++all;
     const std::string_view text = without_blanks_behind(line.text);
     const bool has_half = text.find_first_of("Mm") != text.npos;
-    whole += has_half && (parse_calendar(text) || parse_calendar(text, ',')) ? 1 : 0;
+    const bool is_cut = has_half || count_fields(text, ' ') > 2;
+    whole += is_cut && (parse_calendar(text) || parse_calendar(text, ',')) ? 1 : 0;
   }
   return whole * 10 >= all * 9 && whole > 0;
 }
@@ -88,26 +90,73 @@ bool names_a_role(const Field& field) {
   return column_named(field.text).column.role != ColumnRole::ignored;
 }
 
+// The text in front of an exponent: "234" of "234E-05".
+std::string_view mantissa(std::string_view text) {
+  return text.substr(0, text.find_first_of("eE"));
+}
+
+bool are_digits(std::string_view text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+// Whether a header is the known name of one column: no separator cuts it, and blanks do not cut it
+// into two names that are known.
+bool is_one_name(std::string_view header) {
+  for (const char separator : {'\t', ';', ',', '|'})
+    if (count_fields(header, separator) > 1) return false;
+  std::vector<Field> words;
+  split_fields(header, ' ', words);
+  const bool is_known = column_named(header).column.role != ColumnRole::ignored;
+  return is_known && (words.size() != 2 || !names_a_role(words[0]) || !names_a_role(words[1]));
+}
+
+bool is_all_value(std::string_view line) {
+  std::vector<Field> whole;
+  split_fields(line, '\n', whole);
+  const std::string_view text = whole.front().text;
+  return has_decimal_comma(text) || parse_number(text) || parse_calendar(text);
+}
+
+// A header of one name over lines that a comma cuts in two: the lines are one number each. Whole
+// numbers, whose zeros were left out, may stand between them.
+bool one_name_stands_over_pairs(const std::vector<HeadLine>& lines) {
+  const auto first = std::find_if(lines.begin(), lines.end(),
+                                  [](const HeadLine& line) { return is_all_value(line.text); });
+  if (first == lines.begin() || first == lines.end() || !is_one_name(std::prev(first)->text))
+    return false;
+  const auto rows = static_cast<std::size_t>(lines.end() - first);
+  const auto values = static_cast<std::size_t>(std::count_if(
+      first, lines.end(), [](const HeadLine& line) { return is_all_value(line.text); }));
+  constexpr std::size_t fewest_rows = 3;
+  return rows >= fewest_rows && values * 10 >= rows * 9;
+}
+
 // A comma that cuts every line into two whole numbers, the second of always the same length, stands
 // for a decimal point; unless a header names two columns.
-bool comma_is_point(const std::vector<HeadLine>& lines) {
+bool pairs_are_of_one_length(const std::vector<HeadLine>& lines) {
   std::size_t length = 0, rows = 0;
   for (const HeadLine& line : lines) {
     std::vector<Field> fields;
     split_fields(line.text, ',', fields);
+    if (rows == 0 && !any_digit(line.text) && fields.size() == 1) continue; // a title
     if (fields.size() != 2) return false;
-    const auto digits = [](std::string_view text) {
-      return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
-    };
-    if (!digits(fields[1].text) || !(digits(fields[0].text) || parse_calendar(fields[0].text))) {
+    const std::string_view whole = fields[0].text, decimals = mantissa(fields[1].text);
+    const bool is_row =
+        parse_number(fields[1].text) && are_digits(decimals) &&
+        (are_digits(whole.substr(whole.starts_with('-') ? 1 : 0)) || parse_calendar(whole));
+    if (!is_row) {
       const bool two_names = names_a_role(fields[0]) && names_a_role(fields[1]);
       if (rows == 0 && !two_names) continue; // a header
       return false;
     }
-    if (rows++ == 0) length = fields[1].text.size();
-    if (fields[1].text.size() != length) return false;
+    if (rows++ == 0) length = decimals.size();
+    if (decimals.size() != length) return false;
   }
   return rows >= 3 && length >= 3;
+}
+
+bool comma_is_point(const std::vector<HeadLine>& lines) {
+  return one_name_stands_over_pairs(lines) || pairs_are_of_one_length(lines);
 }
 
 } // namespace

@@ -1,38 +1,62 @@
 #include "fault_counts.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <fmt/format.h>
+#include <optional>
+#include <vector>
 
 namespace goingrate {
 
 namespace {
 
-// The number of cycles, within segments of a log of both directions, whose downward passage is
-// missing. If most are missing, the log has only one direction, and none is counted.
-std::int64_t missed_downward(const Beats& numbered) {
-  std::int64_t missing = 0, seen = 0, all = 0; // downward passages
+struct Counts {
+  std::int64_t missed = 0, missed_downward = 0, spurious = 0, bounces = 0;
+};
+
+// Of a log that is split, the part that is analysed; nothing of one that is whole.
+std::optional<std::uint16_t> analysed_part(const Beats& numbered) {
+  if (numbered.segments < 2) return {};
+  const std::vector<Beat> longest = numbered.longest_segment();
+  return longest.empty() ? std::nullopt : std::optional(longest.front().segment);
+}
+
+// For a log of both directions, `missed_downward`: the cycles within a segment whose downward
+// passage is missing. If most are missing, the log has one direction only, and none is counted.
+Counts counts_of(const Beats& numbered) {
+  const auto part = analysed_part(numbered);
+  Counts counts;
+  if (!part) counts = {numbered.missed, 0, numbered.spurious, numbered.bounces};
+  std::int64_t seen = 0, all = 0; // downward passages
   const Beat* last = nullptr;
   for (const Beat& beat : numbered.beats) {
+    if (part && beat.segment != *part) continue;
     seen += beat.flag == BeatFlag::down ? 1 : 0;
+    counts.spurious += part && beat.flag == BeatFlag::spurious ? 1 : 0;
+    counts.bounces += part && beat.flag == BeatFlag::bounce ? 1 : 0;
     if (beat.flag != BeatFlag::good) continue;
-    if (last != nullptr && last->segment == beat.segment)
-      missing += std::max<std::int64_t>(0, beat.cycle - last->cycle - seen);
+    if (last != nullptr && last->segment == beat.segment) {
+      counts.missed += part ? beat.cycle - last->cycle - 1 : 0;
+      counts.missed_downward += std::max<std::int64_t>(0, beat.cycle - last->cycle - seen);
+    }
     all += seen;
     seen = 0;
     last = &beat;
   }
-  return missing < all ? missing : 0;
+  if (counts.missed_downward >= all) counts.missed_downward = 0;
+  return counts;
 }
 
 } // namespace
 
 std::string fault_counts(const Beats& beats) {
-  std::string text = fmt::format("{} missed", beats.missed);
-  if (const std::int64_t other = missed_downward(beats); other > 0)
-    text += fmt::format(" (and {} of the other direction)", other);
-  text += fmt::format(", {} spurious", beats.spurious);
-  if (beats.bounces > 0)
-    text += fmt::format(", {} bounce{}", beats.bounces, beats.bounces == 1 ? "" : "s");
+  const Counts counts = counts_of(beats);
+  std::string text = fmt::format("{} missed", counts.missed);
+  if (counts.missed_downward > 0)
+    text += fmt::format(" (and {} of the other direction)", counts.missed_downward);
+  text += fmt::format(", {} spurious", counts.spurious);
+  if (counts.bounces > 0)
+    text += fmt::format(", {} bounce{}", counts.bounces, counts.bounces == 1 ? "" : "s");
   return text;
 }
 

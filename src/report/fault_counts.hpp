@@ -7,8 +7,9 @@
 
 namespace goingrate {
 
-/// "3 missed, 0 spurious", with bounces if there are any, and for a log of both directions also
-/// with the downward passages that are missing.
+/// "3 missed, 0 spurious", bounces where there are any, and of a log of both directions also the
+/// downward passages that are missing. Of a log that is split they are those of its longest part,
+/// which alone is analysed.
 std::string fault_counts(const Beats& beats);
 
 } // namespace goingrate

@@ -163,10 +163,11 @@ std::string key_figures(const Analysis& data) {
       cards += card("Rate now",
                     typeset(words.rate(data.now.rate.rate_excess, data.now.rate.rate_excess_sigma)),
                     "from " + words.short_moment(data.now.start - data.beats.front().time) + " on");
-    cards += card("Rate over the whole log",
-                  typeset(words.rate(rate.rate_excess, rate.rate_excess_sigma)),
-                  "time gained from the first beat to the last, over the time between; ± allows "
-                  "for how the rate varied on the way");
+    cards +=
+        card(data.numbered.segments > 1 ? "Rate over the whole part" : "Rate over the whole log",
+             typeset(words.rate(rate.rate_excess, rate.rate_excess_sigma)),
+             "time gained from the first beat to the last, over the time between; ± allows "
+             "for how the rate varied on the way");
   } else {
     cards +=
         card("Rate", "not known", "no nominal period is known to compare the mean period with");

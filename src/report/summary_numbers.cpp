@@ -86,7 +86,9 @@ void Numbers::add_going() {
   if (const auto& error = data_.sensor.beat_error_s)
     add("beat error, tick − tock", short_time(std::abs(error->value), error->sigma));
   if (!rate.nominal_is_known) return;
-  add("rate over the whole log, end to end", words_.rate(rate.rate_excess, rate.rate_excess_sigma));
+  add(fmt::format("rate over the whole {}, end to end",
+                  data_.numbered.segments > 1 ? "part" : "log"),
+      words_.rate(rate.rate_excess, rate.rate_excess_sigma));
   add_stretches();
   add_logbook();
 }

@@ -96,6 +96,24 @@ TEST(DiagnosisTest, DiaryAndCausesJudgeAChangeOnce) {
   }
 }
 
+// With beats lost at random many are missing in pairs, and every one counts.
+TEST(DiagnosisTest, TheShareOfMissedBeatsIsThatOfAllBeats) {
+  for (const double lost : {0.04, 0.25, 0.38}) {
+    LoadRequest request;
+    request.path = "missed.txt";
+    const Analysis data = analyse(load_text(regulated(1.9, 0.0, 3e-5, lost, 77U), request), {});
+    const auto found =
+        std::find_if(data.suspicions.begin(), data.suspicions.end(),
+                     [](const Suspicion& one) { return one.cause == Cause::missed_beats; });
+    ASSERT_NE(found, data.suspicions.end()) << lost;
+    const auto missed = static_cast<double>(data.numbered.missed);
+    const auto all = missed + static_cast<double>(data.rate.crossings);
+    EXPECT_NEAR(found->numbers.size, missed / all, 1e-12) << "a quotient of whole numbers";
+    EXPECT_NEAR(found->numbers.size, lost, 4.0 * std::sqrt(lost * (1.0 - lost) / all)); // 4 sigma
+    EXPECT_LT(static_cast<double>(found->numbers.places), missed);
+  }
+}
+
 // The mean rates before and after have the weather's part in them; the jump, known where it is one
 // of the regulation, has not.
 TEST(DiagnosisTest, AJumpIsToldWithoutTheWeathersPart) {

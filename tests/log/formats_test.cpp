@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <gtest/gtest.h>
+#include <numbers>
 #include <zlib.h>
 
 namespace goingrate {
@@ -652,17 +653,66 @@ TEST(FormatsTest, AGateWithoutAllIntervalsIsToldSo) {
   }
 }
 
-TEST(FormatsTest, SamplesOfAnUnknownNameAreNoBeats) {
-  std::string text = "\"Time (s)\",\"Gyroscope x (rad/s)\",\"Gyroscope y (rad/s)\"\n";
+// Samples of a column of that name, which swings.
+std::string samples_named(std::string_view name) {
+  std::string text = fmt::format("\"Time (s)\",\"{}\",\"other\"\n", name);
   for (int i = 0; i < 2000; ++i)
     text += fmt::format("{:.4f},{:.6f},0.001\n", 0.01 * i, std::sin(0.035 * i));
+  return text;
+}
+
+TEST(FormatsTest, SamplesOfAnUnknownNameAreNoBeats) {
   try {
-    (void)read_log(text, "gyro.csv");
+    (void)read_log(samples_named("Channel A"), "swing.csv");
     FAIL();
   } catch (const ImpossibleReading& error) {
-    EXPECT_NE(std::string(error.what()).find("column 2, which swings"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("column 2, 'Channel A', which swings"),
+              std::string::npos);
     EXPECT_EQ(error.others().at(0).columns, std::vector<std::string>{"angle=2"});
   }
+}
+
+TEST(FormatsTest, ASpeedOfTurningIsNoAngle) {
+  for (const char* name : {"Gyroscope x (rad/s)", "AngVel/rad/s", "Angular velocity (deg/s)"}) {
+    const std::string text = samples_named(name);
+    try {
+      (void)read_log(text, "gyro.csv");
+      FAIL() << name;
+    } catch (const ImpossibleReading& error) {
+      EXPECT_NE(std::string(error.what()).find("a speed of turning, no angle"), std::string::npos);
+      ReadingOptions advised;
+      advised.columns = error.others().at(0).columns;
+      const ClockLog log = read_log(text, "gyro.csv", advised);
+      // A whole number of swings; the samples have six decimals.
+      EXPECT_NEAR(log.events[12].time - log.events[0].time, 12.0 * std::numbers::pi / 3.5, 1e-5);
+      EXPECT_FALSE(log.has_amplitude);
+    }
+    ReadingOptions wrong;
+    wrong.columns = {"angle=2"};
+    EXPECT_THROW((void)read_log(text, "gyro.csv", wrong), ArgumentError) << name;
+    wrong.columns = {"angle=2:rad"}; // who says so may know that the header is wrong
+    EXPECT_TRUE(read_log(text, "gyro.csv", wrong).has_amplitude) << name;
+  }
+}
+
+TEST(FormatsTest, AWrongUnitIsTold) {
+  const auto refusal = [](const char* column) {
+    ReadingOptions options;
+    options.columns = {column};
+    try {
+      (void)read_log(samples_named("a:b"), "x", options);
+    } catch (const ArgumentError& error) {
+      return error.legal();
+    }
+    return std::string("read");
+  };
+  EXPECT_NE(refusal("time=1:fortnight").find("one of s, ms,"), std::string::npos);
+  EXPECT_NE(refusal("time=1:fortnight").find("not 'fortnight'"), std::string::npos);
+  EXPECT_NE(refusal("angle=2:rad/s").find("'rad/s', a speed of turning"), std::string::npos);
+  EXPECT_NE(refusal("edge=2:deg").find("without a unit"), std::string::npos);
+  EXPECT_NE(refusal("time=9:s").find("a place from 1 to 3"), std::string::npos);
+  EXPECT_NE(refusal("time=9:t").find("a number from 1"), std::string::npos);
+  EXPECT_EQ(refusal("angle=a:b"), "read");
 }
 
 TEST(FormatsTest, SettingsBeforeTheHeaderAreNoData) {

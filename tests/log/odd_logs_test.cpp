@@ -2,6 +2,7 @@
 #include "goingrate/log/reading.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
@@ -129,6 +130,44 @@ TEST(OddLogsTest, DirectionsHaveManyNames) {
     EXPECT_EQ(log.events[0].edge, Edge::up);
     EXPECT_EQ(log.events[1].edge, Edge::down) << down;
   }
+}
+
+TEST(OddLogsTest, NinesWithinTheRangeOfAColumnAreValues) {
+  // A swing of 14.5 degrees, whose samples fall on 9.999 and -9.999; and 99.99, which none can be.
+  const auto angles = [](std::string_view at_250) {
+    std::string text = "Time (s);Angle (deg)\n";
+    for (int i = 0; i < 400; ++i)
+      text += fmt::format("{:.2f};{}\n", 0.05 * i,
+                          i == 100   ? "9.999"
+                          : i == 150 ? "-9.999"
+                          : i == 250 ? std::string(at_250)
+                                     : fmt::format("{:.3f}", 14.5 * std::sin(0.155 * i)));
+    return text;
+  };
+  EXPECT_TRUE(read_log(angles("9.999"), "x").issues.empty());
+  const ClockLog marked = read_log(angles("99.99"), "x");
+  ASSERT_EQ(marked.issues.size(), 1U);
+  EXPECT_EQ(marked.issues[0].line, 252U);
+}
+
+TEST(OddLogsTest, APeriodOfNinesIsOneAmongItsLike) {
+  std::string periods, errors;
+  for (int i = 0; i < 60; ++i) {
+    periods += i == 30   ? "9.999\n"
+               : i == 40 ? "9999\n"
+                         : fmt::format("{:.3f}\n", 9.998 + 1e-3 * (i * i % 5));
+    errors += fmt::format("{} {} {}\n", 1364774400 + 2 * i,
+                          i == 30 ? "9.999" : fmt::format("{:.3f}", 9.9 + 2e-3 * i),
+                          i == 20 ? "9999.999" : "46.4");
+  }
+  const ClockLog log = read_log(periods, "x");
+  ASSERT_EQ(log.events.size(), 60U);
+  EXPECT_NEAR(log.events[30].time - log.events[29].time, 9.999, 1e-12); // a rounding of 600 s
+  ASSERT_EQ(log.issues.size(), 1U);
+  EXPECT_EQ(log.issues[0].line, 41U);
+  const ClockLog read = read_log(errors, "x");
+  EXPECT_EQ(read.events.size(), 60U);
+  EXPECT_TRUE(std::isnan(read.events[20].amplitude_rad));
 }
 
 TEST(OddLogsTest, ManyScatteredFaultsOfOneKindAreOneIssue) {

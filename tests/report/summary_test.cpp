@@ -187,6 +187,12 @@ TEST(SummaryTest, AReferenceHasItsRateInMicroseconds) {
   EXPECT_EQ(value_of(data, "rate over the whole log, end to end"), "+86.4 ± 8.6 µs/day");
 }
 
+TEST(SummaryTest, TheRateOfAPartIsNotThatOfTheLog) {
+  Analysis data = quiet_report();
+  data.numbered.segments = 2;
+  EXPECT_NE(value_of(data, "rate over the whole part, end to end"), "");
+}
+
 TEST(SummaryTest, AFreeSwingHasNoBeatErrorAndNoStability) {
   Analysis data = quiet_report();
   data.sensor.beat_error_s = SensorEstimate{-0.06, 1e-5};

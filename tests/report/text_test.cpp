@@ -142,6 +142,23 @@ TEST(TextTest, BouncesAreCountedWhereThereAreAny) {
       << first_line();
 }
 
+TEST(TextTest, FaultsOfALogThatIsSplitAreThoseOfThePartThatIsAnalysed) {
+  Beats beats;
+  beats.beats = {beat(0, 0.0),
+                 beat(4, 8.0),
+                 beat(4, 8.3, BeatFlag::bounce),
+                 beat(100, 201.0, BeatFlag::good, 1),
+                 beat(100, 201.4, BeatFlag::spurious, 1),
+                 beat(101, 203.0, BeatFlag::good, 1),
+                 beat(103, 207.0, BeatFlag::good, 1)};
+  beats.segments = 2;
+  beats.missed = 4;
+  beats.spurious = 1;
+  beats.bounces = 1;
+  const std::string text = rate_text(beats, RateSummary{}, SensorFindings{});
+  EXPECT_NE(text.find("; 1 missed, 1 spurious, 2 segments\n"), text.npos) << text;
+}
+
 TEST(TextTest, TheRateTableHasARowForEveryEventAndEveryMissingBeat) {
   Beats beats;
   beats.beats = {beat(0, 0.0),    beat(0, 0.4, BeatFlag::spurious),  beat(1, 2.0), beat(3, 6.0),
