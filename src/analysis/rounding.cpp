@@ -56,19 +56,23 @@ std::vector<SpectralLine> without_rounding(std::vector<SpectralLine> lines,
   const double grain_s = grain_of(times), period_s = times.reference_period_s;
   if (grain_s == 0.0) return lines;
   const double cycles = std::max(1.0, times.cycle.back());
-  // A step by which the times stray from a steady rate turns the pattern once.
-  const double strayed_turns = spread_about_line(times) / grain_s;
+  // A walk whose rms is a third of its range and s steps turns the k-th wave by ks in the log: its
+  // line has a half width of π (ks)² turns per log.
+  const double strayed_steps = spread_about_line(times) / grain_s / 3.0;
   std::erase_if(lines, [&](const SpectralLine& line) {
     const double steps_late = line.amplitude * period_s / grain_s /
                               (2.0 * std::abs(std::sin(pi * line.frequency_hz * period_s)));
     constexpr int multiples = 20; // higher ones are too dense to distinguish from lines of a wheel
     for (int k = 1; k <= multiples; ++k) {
-      // A saw-tooth of one step has waves of 1/πk; turned over and over, it is a noise as large.
-      constexpr double noise_share = 1.5; // of the amplitude of a wave that stands in noise
-      if (steps_late > noise_share / (pi * k) / std::sqrt(std::max(1.0, k * strayed_turns))) break;
+      const double half_width = pi * std::pow(k * strayed_steps, 2); // turns per log
+      // A saw-tooth of one step has waves of 1/πk. Spread over a width they are a noise as large,
+      // of which the largest of some thousand values stands out 2.5 times.
+      constexpr double largest_share = 2.5;
+      if (steps_late > largest_share / (pi * k) / std::sqrt(std::max(1.0, half_width))) break;
       const double turns = std::abs(std::remainder(k * period_s / grain_s, 1.0));
       const double off = std::abs(line.frequency_hz * period_s - turns);
-      if (off * cycles < 1.0 + k * std::max(0.5, strayed_turns)) return true;
+      constexpr double wing = 16.0; // half widths: 4 % of a line's power lie beyond
+      if (off * cycles < 1.0 + std::max(0.5 * k, wing * half_width)) return true;
     }
     return false;
   });

@@ -67,15 +67,23 @@ std::string q_sentence(const Decay& decay, const DisplayUnit& unit) {
     return "Q is not determined: the log allows too many ways to lose the swing. A longer log, one "
            "with amplitudes, or a larger first swing would tell more.";
   constexpr double least_significance = 2.0; // sigma of the difference
-  const bool is_steady = std::abs(first->q.value - last->q.value) <
-                         least_significance * std::hypot(first->q.sigma, last->q.sigma);
-  const std::string_view form = is_steady
-                                    ? "Q is the same for wide and small swings, within its error: {} "
-                                      "at {} and {} at {}."
-                                    : "Q goes from {} at {} to {} at {}.";
+  const auto significance = [&](const QAtAmplitude& at) {
+    if (!is_known(at.q)) return 0.0;
+    return std::abs(first->q.value - at.q.value) / std::hypot(first->q.sigma, at.q.sigma);
+  };
+  // Small swings may tell less than those between.
+  const auto other = std::max_element(all.begin(), all.end(), [&](const auto& a, const auto& b) {
+    return significance(a) < significance(b);
+  });
+  const bool is_steady = significance(*other) < least_significance;
+  const QAtAmplitude& to = is_steady || significance(*last) > least_significance ? *last : *other;
+  const std::string_view form =
+      is_steady ? "Q is the same for wide and small swings, within its error: {} "
+                  "at {} and {} at {}."
+                : "Q goes from {} at {} to {} at {}.";
   return fmt::format(fmt::runtime(form), with_sigma(first->q.value, first->q.sigma),
-                     angle(first->amplitude_rad, unit), with_sigma(last->q.value, last->q.sigma),
-                     angle(last->amplitude_rad, unit));
+                     angle(first->amplitude_rad, unit), with_sigma(to.q.value, to.q.sigma),
+                     angle(to.amplitude_rad, unit));
 }
 
 } // namespace

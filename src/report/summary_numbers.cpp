@@ -164,7 +164,7 @@ std::string Numbers::name_of_parameter(const FittedParameter& parameter) const {
   const std::size_t at = name.find('@');
   std::string text(meaning.empty() ? std::string_view(name) : meaning);
   const std::string base = name.substr(0, at);
-  if (has_symbol(base)) text += " " + symbol_of(base);
+  if (has_symbol(base)) text += fmt::format(" {}", symbol_of(base));
   if (at == std::string::npos) return text;
   const auto event = static_cast<std::size_t>(std::stoi(name.substr(at + 1)));
   if (event == 0 || event > data_.fit.events.size()) return text;
