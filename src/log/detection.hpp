@@ -90,6 +90,7 @@ private:
   void settle_date_order(std::size_t column);
   [[nodiscard]] bool unit_is_given(ColumnRole role) const;
   void settle_unit(LogColumn& column, const ColumnSample& sample);
+  void refuse_other_unit(const LogColumn& column, double step) const;
   void settle_angle_unit();
   void settle_weather_units();
   void settle_tau0();
