@@ -66,6 +66,7 @@ private:
   void settle_dates();
   void sample_dates(std::size_t time);
   [[nodiscard]] std::optional<std::size_t> named_days() const;
+  [[nodiscard]] bool lacks_its_role() const;
   bool settle_dated_phases();
   void refuse_double_commas() const;
   std::size_t settle_gate_state();

@@ -25,7 +25,7 @@ Layout Detection::run() {
     layout_.format = *options_.format;
   else
     layout_.format = named ? format_of_names() : format_of_contents();
-  if (!named || !options_.columns.empty()) fill_columns(named);
+  if (!named || !options_.columns.empty() || lacks_its_role()) fill_columns(named);
   if (!options_.columns.empty()) {
     apply_columns(options_.columns, head_, layout_);
     if (!options_.format) layout_.format = format_of_names();
@@ -43,6 +43,21 @@ Layout Detection::run() {
   log_.assumptions.insert(log_.assumptions.begin(), std::move(format));
   say_which_time();
   return layout_;
+}
+
+// Whether the format is one of values of one kind, and no column has a name of that kind.
+bool Detection::lacks_its_role() const {
+  const auto lacks = [&](ColumnRole role) { return !layout_.find(role); };
+  switch (layout_.format) {
+  case LogFormat::periods:
+    return lacks(ColumnRole::period) && lacks(ColumnRole::half_period);
+  case LogFormat::phase:
+    return lacks(ColumnRole::phase);
+  case LogFormat::frequency:
+    return lacks(ColumnRole::frequency);
+  default:
+    return false;
+  }
 }
 
 // A table of the weather, whose header must name what it holds.
@@ -289,7 +304,9 @@ void Detection::fill_time() {
 
 // Sets the roles of columns that no header names.
 void Detection::fill_columns(bool named) {
-  if (named && layout_.format != LogFormat::phase && layout_.format != LogFormat::frequency) return;
+  if (named && layout_.format != LogFormat::phase && layout_.format != LogFormat::frequency &&
+      layout_.format != LogFormat::periods)
+    return;
   const std::size_t last = head_.columns - 1;
   switch (layout_.format) {
   case LogFormat::clock_error:

@@ -111,6 +111,17 @@ TEST(HeadersTest, ATimeThatDoesNotRiseIsAPeriod) {
   EXPECT_TRUE(says(log, "holds periods"));
 }
 
+TEST(HeadersTest, AFormatThatIsGivenHoldsUnderAnyName) {
+  const auto value = [](int i) { return fmt::format("{:.4f}", 1e-4 * period_of(i)); };
+  ReadingOptions given;
+  given.format = LogFormat::periods;
+  expect_beats(read_log(under("my times", value), "log.csv", given));
+  given.format = LogFormat::phase;
+  const ClockLog log = read_log(under("time_s", value), "log.csv", given);
+  ASSERT_TRUE(log.grid);
+  EXPECT_NEAR(log.grid->phase_s[3], 1e-4 * period_of(3), rounding_s);
+}
+
 TEST(HeadersTest, DecimalCommasThatAreNotThereAreMissed) {
   ReadingOptions commas;
   commas.decimal_comma = true;
