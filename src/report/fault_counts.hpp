@@ -12,4 +12,8 @@ namespace goingrate {
 /// which alone is analysed.
 std::string fault_counts(const Beats& beats);
 
+/// What the events of a log are: "values" of data on a grid, "readings" where they are further
+/// apart than any swings are, else "beats".
+std::string event_word(bool on_grid, double nominal_period_s);
+
 } // namespace goingrate

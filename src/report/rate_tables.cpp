@@ -253,9 +253,10 @@ std::string sensor_lines(const RateSummary& summary, const SensorFindings& senso
 
 std::string rate_text(const Beats& beats, const RateSummary& summary,
                       const SensorFindings& sensor) {
-  std::string text = fmt::format("{} beats over {} s; {}, {} segment{}\n", summary.crossings,
-                                 readable(summary.duration_s, 6), fault_counts(beats),
-                                 beats.segments, beats.segments == 1 ? "" : "s");
+  std::string text =
+      fmt::format("{} {} over {} s; {}, {} segment{}\n", summary.crossings,
+                  event_word(false, summary.nominal_period_s), readable(summary.duration_s, 6),
+                  fault_counts(beats), beats.segments, beats.segments == 1 ? "" : "s");
   if (beats.segments > 1) text += segment_lines(beats, summary);
   if (beats.rivals > 0)
     text += fmt::format("{} cycles have a second event that could as well be the crossing\n",

@@ -2,6 +2,7 @@
 #include "goingrate/report/report.hpp"
 
 #include "cause_words.hpp"
+#include "fault_counts.hpp"
 #include "impulse_words.hpp"
 #include "logbook_words.hpp"
 #include "model_words.hpp"
@@ -183,8 +184,8 @@ std::string Sentences::going() const {
   const RateSummary& now = data_.now.rate;
   const std::string how = rate_words(now.rate_excess, now.rate_excess_sigma);
   const bool is_zero = std::abs(now.rate_excess) <= 2.0 * now.rate_excess_sigma;
-  const std::string guess = // the log or its owner may have stated the period
-      data_.log.nominal_period_s
+  const std::string guess = // the log or its owner may have stated the period, or it needs none
+      data_.log.nominal_period_s || data_.log.grid
           ? ""
           : fmt::format(", if its period should be {:.9g} s", rate.nominal_period_s);
   if (moves_on())
@@ -274,8 +275,9 @@ std::string Sentences::whether_worse() const {
   const std::string told = changes();
   std::string trend;
   if (data_.beats.size() < least_diagnosed_beats)
-    trend = fmt::format("the log is too short, with {} beats, to tell whether it is getting worse",
-                        data_.beats.size());
+    trend = fmt::format("the log is too short, with {} {}, to tell whether it is getting worse",
+                        data_.beats.size(),
+                        event_word(data_.log.grid.has_value(), data_.rate.nominal_period_s));
   else if (has(is_drift))
     trend = "the rate has moved in one direction throughout this log";
   else if (has([](Cause cause) { return cause == Cause::slow_drive || cause == Cause::unknown; }))
