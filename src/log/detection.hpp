@@ -18,8 +18,8 @@ std::optional<TimeUnit> unit_for_step(double step, const ColumnSample& sample);
 bool is_steady(const ColumnSample& sample);
 
 /// The layout of one log while it is being found. What comes from the names of columns is in
-/// layout_detection.cpp, what comes from the lines in format_recognition.cpp, units and the check
-/// of times in column_units.cpp.
+/// layout_detection.cpp, where the lines have a say in it in named_columns.cpp, what comes from the
+/// lines alone in format_recognition.cpp, units and the check of times in column_units.cpp.
 class Detection {
 public:
   Detection(const LogHead& head, const ReadingOptions& options, ClockLog& log)

@@ -51,8 +51,10 @@ Counts counts_of(const Beats& numbered) {
 
 } // namespace
 
-std::string event_word(bool on_grid, double nominal_period_s) {
-  if (on_grid) return "values";
+bool has_no_period(const ClockLog& log) { return log.grid && !log.nominal_period_s; }
+
+std::string event_word(bool no_period, double nominal_period_s) {
+  if (no_period) return "values";
   return nominal_period_s > longest_swing_s ? "readings" : "beats";
 }
 

@@ -172,7 +172,7 @@ std::string key_figures(const Analysis& data) {
     cards +=
         card("Rate", "not known", "no nominal period is known to compare the mean period with");
   }
-  if (!data.log.grid || data.log.nominal_period_s)
+  if (!has_no_period(data.log))
     cards += card("Mean period", measured(rate.mean_period_s, rate.mean_period_sigma_s, 12) + " s",
                   (rate.nominal_is_known
                        ? fmt::format("against {} s", plain_number(rate.nominal_period_s, 12))
@@ -193,7 +193,7 @@ std::string key_figures(const Analysis& data) {
                fmt::format("mean of {} beats; {:.3g}°", mean.beats, mean.rad * 360.0 / two_pi));
   }
   cards +=
-      card(capitalised(event_word(data.log.grid.has_value(), rate.nominal_period_s)),
+      card(capitalised(event_word(has_no_period(data.log), rate.nominal_period_s)),
            fmt::format("{} in {}", rate.crossings, words.duration(rate.duration_s)), counts(data));
   return section("key-figures", "Key figures", "<dl class=\"cards\">\n" + cards + "</dl>\n");
 }

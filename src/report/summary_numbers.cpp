@@ -72,13 +72,13 @@ private:
 
 void Numbers::add_going() {
   const RateSummary& rate = data_.rate;
-  const bool on_grid = data_.log.grid.has_value();
-  add(event_word(on_grid, rate.nominal_period_s) + " in " + words_.duration(rate.duration_s),
+  const bool no_period = has_no_period(data_.log);
+  add(event_word(no_period, rate.nominal_period_s) + " in " + words_.duration(rate.duration_s),
       fmt::format("{}; {}", rate.crossings, fault_counts(data_.numbered)));
   if (data_.numbered.segments > 1)
     add("parts that could not be joined",
         fmt::format("{}, the longest is analysed", data_.numbered.segments));
-  if (!on_grid || data_.log.nominal_period_s) add_mean_period(); // such values have no period
+  if (!no_period) add_mean_period();
   if (swings_freely(data_)) return;
   if (const auto& error = data_.sensor.beat_error_s)
     add("beat error, tick − tock", short_time(std::abs(error->value), error->sigma));

@@ -185,7 +185,7 @@ std::string Sentences::going() const {
   const std::string how = rate_words(now.rate_excess, now.rate_excess_sigma);
   const bool is_zero = std::abs(now.rate_excess) <= 2.0 * now.rate_excess_sigma;
   const std::string guess = // the log or its owner may have stated the period, or it needs none
-      data_.log.nominal_period_s || data_.log.grid
+      data_.log.nominal_period_s || has_no_period(data_.log)
           ? ""
           : fmt::format(", if its period should be {:.9g} s", rate.nominal_period_s);
   if (moves_on())
@@ -277,7 +277,7 @@ std::string Sentences::whether_worse() const {
   if (data_.beats.size() < least_diagnosed_beats)
     trend = fmt::format("the log is too short, with {} {}, to tell whether it is getting worse",
                         data_.beats.size(),
-                        event_word(data_.log.grid.has_value(), data_.rate.nominal_period_s));
+                        event_word(has_no_period(data_.log), data_.rate.nominal_period_s));
   else if (has(is_drift))
     trend = "the rate has moved in one direction throughout this log";
   else if (has([](Cause cause) { return cause == Cause::slow_drive || cause == Cause::unknown; }))
