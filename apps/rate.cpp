@@ -85,7 +85,8 @@ void run(const RateOptions& options, const GlobalOptions& global) {
   files.emplace_back(table);
   write_table(files.back(), options, loaded);
   commit_all(files);
-  std::istringstream text(rate_text(loaded.beats, summary, loaded.sensor));
+  std::istringstream text(rate_text(loaded.beats, summary, loaded.sensor,
+                                    !loaded.log.grid || loaded.log.nominal_period_s));
   for (std::string line; std::getline(text, line);)
     say(global, line);
 }

@@ -20,19 +20,33 @@ std::pair<std::string, std::string> named(const char* option, const std::string&
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
+// Throws unless the event lies between the first and the last beat; `legal` says so in the words of
+// whoever named it.
+void check_inside(const FitEvent& event, const NumberedLog& loaded, const std::string& text,
+                  const std::string& legal) {
+  const std::int64_t length = loaded.good.back().cycle - loaded.good.front().cycle;
+  if (event.cycle <= 0 || event.cycle >= length)
+    throw ArgumentError("event", text, "inside the log, between " + legal);
+}
+
 // "300s:mu" is an event by time. Otherwise the text gives a cycle as `rate` prints it, and the
 // result counts cycles from the first good beat.
 FitEvent event_in(const std::string& text, const NumberedLog& loaded) {
   const std::size_t colon = text.find(':');
   if (colon == std::string::npos || colon == 0 || text[colon - 1] != 's') {
     FitEvent event = parse_fit_event(text);
-    event.cycle -= loaded.good.front().cycle;
+    const std::int64_t first = loaded.good.front().cycle;
+    event.cycle -= first;
+    check_inside(event, loaded, text,
+                 fmt::format("cycles {} and {}", first, loaded.good.back().cycle));
     return event;
   }
   FitEvent event = parse_fit_event(std::string("0").append(text, colon));
   const auto time_s = parse_instant(std::string_view(text).substr(0, colon - 1));
   if (!time_s) throw ArgumentError("event", text, "a time in seconds, such as 300s:mu");
   event.cycle = cycle_at(loaded.good, time_s->to_double());
+  check_inside(event, loaded, text,
+               fmt::format("0s and {:.9g}s", loaded.good.back().time - loaded.good.front().time));
   event.movable = true; // a time need not be exact to the beat: the fit may shift the event
   return event;
 }

@@ -70,6 +70,7 @@ private:
   void take_grid() {
     const GridData& grid = *loaded_.log.grid;
     loaded_.nominal_period_s = grid.tau0_s;
+    refuse_times_for_phases(grid);
     if (request_.phases_will_do) return;
     refuse_phases_of_no_clock(grid);
     loaded_.log.nominal_period_s = request_.reading.nominal_period_s; // of a swing, not of the grid
@@ -135,6 +136,34 @@ private:
                        "if a full swing takes {:.6g} s, set the nominal period to that",
                        2.0 * loaded_.nominal_period_s),
            Setting::nominal_period);
+  }
+
+  // Phases that rise with every value by nearly the same, as times do, are times, whoever declares
+  // them phases: no error of a clock grows by a twentieth of the time.
+  void refuse_times_for_phases(const GridData& grid) const {
+    if (loaded_.log.format != LogFormat::phase || loaded_.log.events.empty()) return;
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < grid.phase_s.size(); ++i)
+      if (const double step = grid.phase_s[i] - grid.phase_s[i - 1]; std::isfinite(step))
+        steps.push_back(step);
+    if (steps.empty()) return;
+    constexpr double day_s = 86400.0;
+    const double usual_s = median(steps);
+    constexpr double most_scatter = 0.1; // of the step: beats are more even
+    const auto alike = std::count_if(steps.begin(), steps.end(), [&](double step) {
+      return std::abs(step - usual_s) < most_scatter * usual_s;
+    });
+    constexpr double least_share = 0.9; // of the steps: the others are gaps and false beats
+    if (usual_s <= largest_rate_excess * grid.tau0_s ||
+        static_cast<double>(alike) < least_share * static_cast<double>(steps.size()))
+      return;
+    throw ImpossibleReading(
+        loaded_.log.place(loaded_.log.events.front().line),
+        fmt::format("phases that rise by {:.6g} s from one to the next, {:.6g} s apart", usual_s,
+                    grid.tau0_s),
+        "the error of a clock, which does not go with the time",
+        {{.words = "they are the times of beats", .format = LogFormat::timestamps},
+         {.words = "they lie further apart, a day for instance", .tau0_s = day_s}});
   }
 
   // Phases that were recognised as such, not declared, must be possible as the error of a clock.

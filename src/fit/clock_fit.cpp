@@ -411,6 +411,11 @@ void check(const TimingData& data) {
 std::string no_pendulum(const TimingData& data, double nominal_period_s) {
   if (!data.no_swings.empty()) return data.no_swings;
   if (nominal_period_s <= longest_swing_s) return {};
+  constexpr double longest_contact_s = 600.0; // what a wheel's contact gives comes more often
+  if (nominal_period_s > longest_contact_s)
+    return fmt::format("readings of a clock {} s apart tell how it goes, and nothing of how its "
+                       "pendulum swings",
+                       readable(nominal_period_s, 6));
   return fmt::format("events {} s apart are not the swings of a pendulum, whose period would be "
                      "the nominal one",
                      readable(nominal_period_s, 4));

@@ -249,9 +249,29 @@ bool Detection::unit_is_given(ColumnRole role) const {
   });
 }
 
+// Refuses a unit that is given for a column whose name states another, if the name's makes the step
+// a beat and the given one does not.
+void Detection::refuse_other_unit(const LogColumn& column, double step) const {
+  constexpr double shortest_s = 0.01, longest_s = 100.0; // of a pendulum's beats, with some margin
+  const auto beat_s = [&](const TimeUnit& unit) {
+    return step * unit.seconds * std::pow(10.0, unit.power);
+  };
+  const auto is_beat = [&](double s) { return s > shortest_s && s < longest_s; };
+  const double named_s = beat_s(column.unit), given_s = beat_s(*options_.unit);
+  if (options_.weather || !is_beat(named_s) || is_beat(given_s)) return;
+  const HeadLine& line = head_.titles.empty() ? head_.rows.front() : head_.titles.back();
+  throw InputError(log_.place(line.number),
+                   fmt::format("column {}, in {} by its name, which makes steps of {} s",
+                               shown(column.name), name_of(column.unit), readable(named_s, 3)),
+                   fmt::format("times in {}, as was said: steps of {} s", name_of(*options_.unit),
+                               readable(given_s, 3)));
+}
+
 void Detection::settle_unit(LogColumn& column, const ColumnSample& sample) {
   const auto index = static_cast<std::size_t>(&column - layout_.columns.data());
   if (options_.unit) {
+    if (index < stated_unit_.size() && stated_unit_[index])
+      refuse_other_unit(column, sample.typical_step);
     column.unit = *options_.unit;
     return;
   }

@@ -18,8 +18,8 @@ std::optional<TimeUnit> unit_for_step(double step, const ColumnSample& sample);
 bool is_steady(const ColumnSample& sample);
 
 /// The layout of one log while it is being found. What comes from the names of columns is in
-/// layout_detection.cpp, what comes from the lines in format_recognition.cpp, units and the check
-/// of times in column_units.cpp.
+/// layout_detection.cpp, where the lines have a say in it in named_columns.cpp, what comes from the
+/// lines alone in format_recognition.cpp, units and the check of times in column_units.cpp.
 class Detection {
 public:
   Detection(const LogHead& head, const ReadingOptions& options, ClockLog& log)
@@ -66,6 +66,7 @@ private:
   void settle_dates();
   void sample_dates(std::size_t time);
   [[nodiscard]] std::optional<std::size_t> named_days() const;
+  [[nodiscard]] bool lacks_its_role() const;
   bool settle_dated_phases();
   void refuse_double_commas() const;
   std::size_t settle_gate_state();
@@ -90,6 +91,7 @@ private:
   void settle_date_order(std::size_t column);
   [[nodiscard]] bool unit_is_given(ColumnRole role) const;
   void settle_unit(LogColumn& column, const ColumnSample& sample);
+  void refuse_other_unit(const LogColumn& column, double step) const;
   void settle_angle_unit();
   void settle_weather_units();
   void settle_tau0();

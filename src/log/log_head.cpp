@@ -86,6 +86,17 @@ bool is_row(std::string_view line, char separator, char point) {
   return false;
 }
 
+// Where no line is data with a decimal comma, as was said: the first that is with a point.
+void refuse_points(const LogHead& head, const std::string& source) {
+  for (const HeadLine& line : head.titles)
+    for (const char separator : {head.separator, ','})
+      if (is_row(line.text, separator, '.'))
+        throw InputError(
+            {source, line.number, 1},
+            fmt::format("{}, and no line whose decimal point is a comma", shown(line.text)),
+            "decimal commas, as was said");
+}
+
 std::vector<std::string> names_in(std::string_view line, char separator) {
   std::vector<Field> fields;
   split_fields(line, separator, fields);
@@ -163,6 +174,7 @@ LogHead cut_head(std::string_view text, bool whole, const std::string& source, b
     ++counts[count_fields(line.text, head.separator)];
   if (head.rows.empty()) {
     const HeadLine& first = head.titles.front();
+    if (decimal_comma) refuse_points(head, source);
     constexpr std::size_t most_words = 3; // "Time in s", and no sentence
     if (first.text.find("time") != std::string_view::npos &&
         (head.separator != ' ' || first.text.find(',') != std::string_view::npos ||

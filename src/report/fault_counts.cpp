@@ -1,5 +1,7 @@
 #include "fault_counts.hpp"
 
+#include "goingrate/fit/timing_data.hpp"
+
 #include <algorithm>
 #include <cstdint>
 #include <fmt/format.h>
@@ -48,6 +50,13 @@ Counts counts_of(const Beats& numbered) {
 }
 
 } // namespace
+
+bool has_no_period(const ClockLog& log) { return log.grid && !log.nominal_period_s; }
+
+std::string event_word(bool no_period, double nominal_period_s) {
+  if (no_period) return "values";
+  return nominal_period_s > longest_swing_s ? "readings" : "beats";
+}
 
 std::string fault_counts(const Beats& beats) {
   const Counts counts = counts_of(beats);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "goingrate/log/beats.hpp"
+#include "goingrate/log/clock_log.hpp"
 
 #include <string>
 
@@ -11,5 +12,12 @@ namespace goingrate {
 /// downward passages that are missing. Of a log that is split they are those of its longest part,
 /// which alone is analysed.
 std::string fault_counts(const Beats& beats);
+
+/// What the events of a log are: "values" where they have no period, "readings" where they are
+/// further apart than any swings are, else "beats".
+std::string event_word(bool no_period, double nominal_period_s);
+
+/// Whether a log holds values at equal intervals of a clock whose period is not known.
+bool has_no_period(const ClockLog& log);
 
 } // namespace goingrate

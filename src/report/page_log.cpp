@@ -172,11 +172,12 @@ std::string key_figures(const Analysis& data) {
     cards +=
         card("Rate", "not known", "no nominal period is known to compare the mean period with");
   }
-  cards += card("Mean period", measured(rate.mean_period_s, rate.mean_period_sigma_s, 12) + " s",
-                (rate.nominal_is_known
-                     ? fmt::format("against {} s", plain_number(rate.nominal_period_s, 12))
-                     : std::string("from the first beat to the last")) +
-                    "; ± allows for how it varied on the way");
+  if (!has_no_period(data.log))
+    cards += card("Mean period", measured(rate.mean_period_s, rate.mean_period_sigma_s, 12) + " s",
+                  (rate.nominal_is_known
+                       ? fmt::format("against {} s", plain_number(rate.nominal_period_s, 12))
+                       : std::string("from the first beat to the last")) +
+                      "; ± allows for how it varied on the way");
   cards += card_of_q(data.fit, words);
   if (const auto& error = data.sensor.beat_error_s; error && !swings_freely(data))
     cards += card("Beat error", typeset(short_time(std::abs(error->value), error->sigma)),
@@ -191,8 +192,9 @@ std::string key_figures(const Analysis& data) {
                words.angle(mean.rad, mean.sigma_rad),
                fmt::format("mean of {} beats; {:.3g}°", mean.beats, mean.rad * 360.0 / two_pi));
   }
-  cards += card("Beats", fmt::format("{} in {}", rate.crossings, words.duration(rate.duration_s)),
-                counts(data));
+  cards +=
+      card(capitalised(event_word(has_no_period(data.log), rate.nominal_period_s)),
+           fmt::format("{} in {}", rate.crossings, words.duration(rate.duration_s)), counts(data));
   return section("key-figures", "Key figures", "<dl class=\"cards\">\n" + cards + "</dl>\n");
 }
 

@@ -187,18 +187,18 @@ std::string block_table(const std::vector<PartRate>& blocks) {
 
 namespace {
 
-std::string rate_sentence(const RateSummary& summary) {
+std::string rate_sentence(const RateSummary& summary, bool has_period) {
   const std::string mean = fmt::format(
       "mean period {} s", with_sigma(summary.mean_period_s, summary.mean_period_sigma_s, 12));
   if (!summary.nominal_is_known)
     return mean + "; what it gains or loses is not known, as no nominal period is";
   const double rate = seconds_gained_per_day(summary.rate_excess);
   const double sigma = seconds_gained_per_day(summary.rate_excess_sigma);
-  return mean + fmt::format(" against {} s: {} {} s/day (end to end); "
-                            "a straight line fitted to the clock's error gives {} s/day",
-                            summary.nominal_period_s, rate < 0 ? "losing" : "gaining",
-                            with_sigma(std::abs(rate), sigma),
-                            readable_signed(seconds_gained_per_day(summary.slope_rate_excess), 4));
+  return (has_period ? fmt::format("{} against {} s: ", mean, summary.nominal_period_s) : "") +
+         fmt::format("{} {} s/day (end to end); a straight line fitted to the clock's error gives "
+                     "{} s/day",
+                     rate < 0 ? "losing" : "gaining", with_sigma(std::abs(rate), sigma),
+                     readable_signed(seconds_gained_per_day(summary.slope_rate_excess), 4));
 }
 
 std::string part_rate_text(const PartRate& part, bool nominal_is_known) {
@@ -252,9 +252,10 @@ std::string sensor_lines(const RateSummary& summary, const SensorFindings& senso
 
 } // namespace
 
-std::string rate_text(const Beats& beats, const RateSummary& summary,
-                      const SensorFindings& sensor) {
-  std::string text = fmt::format("{} beats over {} s; {}, {} segment{}\n", summary.crossings,
+std::string rate_text(const Beats& beats, const RateSummary& summary, const SensorFindings& sensor,
+                      bool has_period) {
+  std::string text = fmt::format("{} {} over {} s; {}, {} segment{}\n", summary.crossings,
+                                 event_word(!has_period, summary.nominal_period_s),
                                  readable(summary.duration_s, 6), fault_counts(beats),
                                  beats.segments, beats.segments == 1 ? "" : "s");
   if (beats.segments > 1) text += segment_lines(beats, summary);
@@ -265,7 +266,7 @@ std::string rate_text(const Beats& beats, const RateSummary& summary,
     text += fmt::format("without a doubt about the count, only breaks of up to {} cycles can be "
                         "bridged in this log\n",
                         beats.longest_countable_gap);
-  return text + sensor_lines(summary, sensor) + rate_sentence(summary);
+  return text + sensor_lines(summary, sensor) + rate_sentence(summary, has_period);
 }
 
 } // namespace goingrate

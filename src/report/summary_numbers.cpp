@@ -57,6 +57,7 @@ private:
   void add_amplitudes();
   void add_fit();
   void add_drive();
+  void add_mean_period();
   void add_covariate(const CovariateEffect& effect);
   void add_isochronism();
   void add_deviation();
@@ -71,17 +72,13 @@ private:
 
 void Numbers::add_going() {
   const RateSummary& rate = data_.rate;
-  const bool is_swing = rate.nominal_period_s <= longest_swing_s;
-  add((is_swing ? "beats in " : "readings in ") + words_.duration(rate.duration_s),
+  const bool no_period = has_no_period(data_.log);
+  add(event_word(no_period, rate.nominal_period_s) + " in " + words_.duration(rate.duration_s),
       fmt::format("{}; {}", rate.crossings, fault_counts(data_.numbered)));
   if (data_.numbered.segments > 1)
     add("parts that could not be joined",
         fmt::format("{}, the longest is analysed", data_.numbered.segments));
-  if (rate.nominal_is_known)
-    add(fmt::format("mean period, against {:.9g} s", rate.nominal_period_s),
-        with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12) + " s");
-  else
-    add("mean period", with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12) + " s");
+  if (!no_period) add_mean_period();
   if (swings_freely(data_)) return;
   if (const auto& error = data_.sensor.beat_error_s)
     add("beat error, tick − tock", short_time(std::abs(error->value), error->sigma));
@@ -93,7 +90,15 @@ void Numbers::add_going() {
   add_logbook();
 }
 
-// Compares what was planned with what the log shows.
+void Numbers::add_mean_period() {
+  const RateSummary& rate = data_.rate;
+  const std::string mean = with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12) + " s";
+  add(rate.nominal_is_known ? fmt::format("mean period, against {:.9g} s", rate.nominal_period_s)
+                            : "mean period",
+      mean);
+}
+
+// What was planned, compared with what the log shows.
 void Numbers::add_logbook() {
   if (!data_.logbook) return;
   for (const EntryFinding& finding : data_.logbook->entries) {

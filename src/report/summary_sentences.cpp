@@ -2,6 +2,7 @@
 #include "goingrate/report/report.hpp"
 
 #include "cause_words.hpp"
+#include "fault_counts.hpp"
 #include "impulse_words.hpp"
 #include "logbook_words.hpp"
 #include "model_words.hpp"
@@ -195,8 +196,8 @@ std::string Sentences::going() const {
   const RateSummary& now = data_.now.rate;
   const std::string how = rate_words(now.rate_excess, now.rate_excess_sigma);
   const bool is_zero = std::abs(now.rate_excess) <= 2.0 * now.rate_excess_sigma;
-  const std::string guess = // the log or its owner may have stated the period
-      data_.log.nominal_period_s
+  const std::string guess = // the log or its owner may have stated the period, or it needs none
+      data_.log.nominal_period_s || has_no_period(data_.log)
           ? ""
           : fmt::format(", if its period should be {:.9g} s", rate.nominal_period_s);
   if (moves_on())
@@ -286,8 +287,9 @@ std::string Sentences::whether_worse() const {
   const std::string told = changes();
   std::string trend;
   if (data_.beats.size() < least_diagnosed_beats)
-    trend = fmt::format("the log is too short, with {} beats, to tell whether it is getting worse",
-                        data_.beats.size());
+    trend = fmt::format("the log is too short, with {} {}, to tell whether it is getting worse",
+                        data_.beats.size(),
+                        event_word(has_no_period(data_.log), data_.rate.nominal_period_s));
   else if (!suspicions_.empty() && is_drift(suspicions_.front().cause))
     trend = "the rate has moved in one direction throughout this log";
   else if (has(is_drift))

@@ -209,6 +209,28 @@ TEST(LoadTest, GridDataAreNotNumbered) {
             (std::vector{0.0, 3.0, -4.0, 2.0, 29.0}));
 }
 
+TEST(LoadTest, TimesAreNoPhasesWhoeverSaysSo) {
+  std::string times, steps;
+  for (int i = 0; i < 200; ++i) {
+    times += fmt::format("{:.4f}\n", 5.0 + 1.7 * i + 1e-4 * (i * i % 7));
+    steps += fmt::format("{:.4f}\n", 1e-3 * i + 0.3 * (i * i % 7)); // large, but no time
+  }
+  LoadRequest request;
+  request.path = "x";
+  request.reading.format = LogFormat::phase;
+  for (const bool phases_will_do : {false, true}) {
+    request.phases_will_do = phases_will_do;
+    try {
+      (void)load_text(times, request);
+      FAIL();
+    } catch (const ImpossibleReading& error) {
+      EXPECT_NE(std::string(error.what()).find("rise by 1.7"), std::string::npos) << error.what();
+      EXPECT_EQ(error.others().at(0).format, LogFormat::timestamps);
+    }
+  }
+  EXPECT_EQ(phase_series(load_text(steps, request)).phase_s.size(), 200U);
+}
+
 TEST(LoadTest, WhatCannotBeIsRefusedWithOtherReadings) {
   std::string phases, labels, counter;
   for (int n = 0; n < 300; ++n) {

@@ -8,14 +8,14 @@ namespace goingrate {
 namespace {
 
 TEST(ReadableTest, LargeNumbersStandInFull) {
-  EXPECT_EQ(readable(1.97e4, 3), "19,700");
-  EXPECT_EQ(readable(19712.3, 3), "19,700");
+  EXPECT_EQ(readable(1.97e4, 3), "19700");
+  EXPECT_EQ(readable(19712.3, 3), "19700");
   EXPECT_EQ(readable(1234.0, 3), "1230");
-  EXPECT_EQ(readable(9996.0, 3), "10,000");
-  EXPECT_EQ(readable(-1234567.0, 4), "-1,235,000");
-  EXPECT_EQ(readable(100000.0, 3), "100,000");
-  EXPECT_EQ(readable(86399.5, 6), "86,399.5");
-  EXPECT_EQ(readable(9.99e8, 3), "999,000,000");
+  EXPECT_EQ(readable(9996.0, 3), "10000");
+  EXPECT_EQ(readable(-1234567.0, 4), "-1235000");
+  EXPECT_EQ(readable(100000.0, 3), "100000");
+  EXPECT_EQ(readable(86399.5, 6), "86399.5");
+  EXPECT_EQ(readable(9.99e8, 3), "999000000");
 }
 
 TEST(ReadableTest, OthersAreAsPrintfHasThem) {
@@ -29,7 +29,7 @@ TEST(ReadableTest, OthersAreAsPrintfHasThem) {
 
 TEST(ReadableTest, ASignStandsBeforeEither) {
   EXPECT_EQ(readable_signed(2000.0, 3), "+2000");
-  EXPECT_EQ(readable_signed(-25000.0, 3), "-25,000");
+  EXPECT_EQ(readable_signed(-25000.0, 3), "-25000");
   EXPECT_EQ(readable_signed(0.0, 3), "+0");
 }
 

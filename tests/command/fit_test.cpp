@@ -197,6 +197,19 @@ TEST_F(CommandTest, AFileOfParametersThatIsUnusableIsExitThree) {
   EXPECT_EQ(run("fit log.csv --from absent.par").code, 3);
 }
 
+TEST_F(CommandTest, AnEventOutsideOfTheLogIsToldItsRange) {
+  run("simulate " + scenario("jump") + " -o log.csv --set run.periods=200");
+  const Outcome cycle = run("fit log.csv --fix T0=2 --event 5000:mu");
+  EXPECT_EQ(cycle.code, 2);
+  EXPECT_NE(cycle.err.find("'5000:mu': must be inside the log, between cycles 0 and 200"),
+            std::string::npos)
+      << cycle.err;
+  const Outcome time = run("fit log.csv --fix T0=2 --event 9000s:mu");
+  EXPECT_EQ(time.code, 2);
+  EXPECT_NE(time.err.find("must be inside the log, between 0s and "), std::string::npos)
+      << time.err;
+}
+
 TEST_F(CommandTest, TheTablesOfAFitAreWrittenAllOrNone) {
   run("simulate " + scenario("jump") + " -o log.csv --set run.periods=300");
   const std::string fit = "fit log.csv --fix T0=2 --event 150:mu ";

@@ -56,8 +56,8 @@ TEST_F(LimitsTest, APackedLogMayUnpackToSoMuchAndNoMore) {
     text += fmt::format("{}.0\n", 2 * i);
   put("a.log", text);
   ASSERT_EQ(std::system(fmt::format("cd '{}' && gzip -k a.log", folder_.string()).c_str()), 0);
-  for (const std::string log : {"rate a.log.gz -o t.csv", "rate - -o t.csv < a.log.gz",
-                                "stability --data phase a.log.gz -o t.csv"}) {
+  for (const std::string log :
+       {"rate a.log.gz -o t.csv", "rate - -o t.csv < a.log.gz", "stability a.log.gz -o t.csv"}) {
     const Outcome refused = run("--quiet " + log + " --unpacked-limit 0.001");
     EXPECT_EQ(refused.code, 3) << log;
     EXPECT_NE(refused.err.find("unpack to more than 1073741 bytes"), std::string::npos)

@@ -205,7 +205,7 @@ std::vector<Wild> wild_formats() {
        {.tau0_s = 2.0}});
   add({"WrongUnitInTheHeader",
        [](std::int64_t t, int) { return fmt::format("{},5", t / 10 - 1361576280000000LL); },
-       "Time (s),n\n", F::table, "the header's unit (s) would make a beat of 2,000,000 s", 2e-6});
+       "Time (s),n\n", F::table, "the header's unit (s) would make a beat of 2000000 s", 2e-6});
   return list;
 }
 

@@ -111,6 +111,39 @@ TEST(HeadersTest, ATimeThatDoesNotRiseIsAPeriod) {
   EXPECT_TRUE(says(log, "holds periods"));
 }
 
+TEST(HeadersTest, AFormatThatIsGivenHoldsUnderAnyName) {
+  const auto value = [](int i) { return fmt::format("{:.4f}", 1e-4 * period_of(i)); };
+  ReadingOptions given;
+  given.format = LogFormat::periods;
+  expect_beats(read_log(under("my times", value), "log.csv", given));
+  given.format = LogFormat::phase;
+  const ClockLog log = read_log(under("time_s", value), "log.csv", given);
+  ASSERT_TRUE(log.grid);
+  EXPECT_NEAR(log.grid->phase_s[3], 1e-4 * period_of(3), rounding_s);
+}
+
+TEST(HeadersTest, DecimalCommasThatAreNotThereAreMissed) {
+  ReadingOptions commas;
+  commas.decimal_comma = true;
+  const auto time = [](int i) { return fmt::format("{:.4f}", 1e-4 * time_of(i)); };
+  const std::string told = refusal(under("time_s", time), commas);
+  EXPECT_NE(told.find("log.csv:2"), told.npos) << told;
+  EXPECT_NE(told.find("no line whose decimal point is a comma"), told.npos) << told;
+}
+
+TEST(HeadersTest, AUnitAgainstThatOfTheHeaderIsTold) {
+  const auto time = [](int i) { return fmt::format("{:.4f}", 1e-4 * time_of(i)); };
+  ReadingOptions hours;
+  hours.unit = in_hours;
+  const std::string told = refusal(under("time_s", time), hours);
+  EXPECT_NE(told.find("'time_s', in s by its name"), told.npos) << told;
+  EXPECT_NE(told.find("times in h, as was said"), told.npos) << told;
+  const auto milliseconds = [](int i) { return fmt::format("{:.1f}", 0.1 * time_of(i)); };
+  ReadingOptions right;
+  right.unit = in_milliseconds;
+  expect_beats(read_log(under("time_s", milliseconds), "log.csv", right)); // the header is wrong
+}
+
 // The beats of time_of(), as dates on 2 June 2024 from 20:00 on.
 std::string clock_time(int i) {
   const int ten_thousandths = time_of(i), seconds = ten_thousandths / 10000;

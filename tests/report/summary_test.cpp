@@ -8,6 +8,7 @@
 #include "some_report.hpp"
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -191,6 +192,40 @@ TEST(SummaryTest, TheRateOfAPartIsNotThatOfTheLog) {
   Analysis data = quiet_report();
   data.numbered.segments = 2;
   EXPECT_NE(value_of(data, "rate over the whole part, end to end"), "");
+}
+
+Analysis analysed(const std::string& text, std::optional<double> tau0_s = {}) {
+  LoadRequest request;
+  request.path = "log.txt";
+  request.reading.tau0_s = tau0_s;
+  return analyse(load_text(text, request));
+}
+
+// Read by hand, a clock has readings, which nobody takes for the swings of a pendulum.
+TEST(SummaryTest, ReadingsByHandAreNoBeats) {
+  std::string text = "date,error\n";
+  for (int i = 0; i < 25; ++i)
+    text +=
+        fmt::format("2023-02-{:02} 08:0{},{:+.1f}\n", i + 1, i * i * 7 % 10, 0.1 * (i * i % 3) - i);
+  const Analysis data = analysed(text);
+  const std::string told = all_of(report_sentences(data));
+  EXPECT_NE(told.find("too short, with 25 readings, to tell"), told.npos) << told;
+  EXPECT_NE(told.find("readings of a clock 86400 s apart tell how it goes"), told.npos) << told;
+  EXPECT_EQ(told.find("swings of a pendulum"), told.npos) << told;
+  EXPECT_NE(value_of(data, "readings in 24 days"), "");
+}
+
+TEST(SummaryTest, ARateOfPhasesNeedsNoPeriod) {
+  std::string text;
+  for (int i = 0; i < 400; ++i)
+    text += fmt::format("{:.9f}\n", 1e-6 * (i + 1) + 1e-8 * (i * i % 7));
+  const Analysis data = analysed(text, 10.0);
+  const std::string told = all_of(report_sentences(data));
+  EXPECT_EQ(told.find("if its period should be"), told.npos) << told;
+  EXPECT_NE(value_of(data, "values in 3990 s"), "");
+  EXPECT_EQ(value_of(data, "mean period, against 10 s"), "");
+  const std::string rate = value_of(data, "rate over the whole log, end to end");
+  EXPECT_EQ(rate.substr(0, 5), "+8.64") << rate; // 1e-6 s in 10 s: ms/day
 }
 
 TEST(SummaryTest, AFreeSwingHasNoBeatErrorAndNoStability) {

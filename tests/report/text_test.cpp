@@ -159,6 +159,18 @@ TEST(TextTest, FaultsOfALogThatIsSplitAreThoseOfThePartThatIsAnalysed) {
   EXPECT_NE(text.find("; 1 missed, 1 spurious, 2 segments\n"), text.npos) << text;
 }
 
+TEST(TextTest, ValuesWithoutAPeriodHaveARateAlone) {
+  Beats beats;
+  RateSummary summary;
+  summary.nominal_is_known = true;
+  summary.nominal_period_s = 10.0;
+  summary.crossings = 7;
+  const std::string text = rate_text(beats, summary, SensorFindings{}, false);
+  EXPECT_EQ(text.substr(0, 9), "7 values ") << text;
+  EXPECT_EQ(text.find("period"), text.npos) << text;
+  EXPECT_NE(rate_text(beats, summary).find("mean period"), text.npos);
+}
+
 TEST(TextTest, TheRateTableHasARowForEveryEventAndEveryMissingBeat) {
   Beats beats;
   beats.beats = {beat(0, 0.0),    beat(0, 0.4, BeatFlag::spurious),  beat(1, 2.0), beat(3, 6.0),

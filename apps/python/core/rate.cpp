@@ -63,8 +63,11 @@ void bind_rate_summary(py::module_& module) {
            [](const RateSummary& self, const NumberedLog& log) {
              return rate_json(log.log, log.beats, self, log.sensor);
            })
-      .def("text", [](const RateSummary& self,
-                      const NumberedLog& log) { return rate_text(log.beats, self, log.sensor); })
+      .def("text",
+           [](const RateSummary& self, const NumberedLog& log) {
+             return rate_text(log.beats, self, log.sensor,
+                              !log.log.grid || log.log.nominal_period_s);
+           })
       .def(py::pickle([](const RateSummary& self) { return py::bytes(archived("rate", self)); },
                       [](const py::bytes& state) {
                         RateSummary summary;

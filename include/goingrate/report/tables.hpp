@@ -83,9 +83,10 @@ std::string rate_table(const Beats& beats, double nominal_period_s);
 std::string block_table(const std::vector<PartRate>& blocks);
 
 /// A few lines: the number of beats, the duration, the rate and its uncertainty, the beat error (s)
-/// if known, the other segments.
+/// if known, the other segments. Values at equal intervals have no period unless the log or its
+/// owner states one: `has_period` is then false.
 std::string rate_text(const Beats& beats, const RateSummary& summary,
-                      const SensorFindings& sensor = {});
+                      const SensorFindings& sensor = {}, bool has_period = true);
 
 /// The fit in the layout of other fitting programs: statistics, variables, correlations above 0.1,
 /// undetermined parameters, the models that were tried.
