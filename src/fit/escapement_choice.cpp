@@ -224,9 +224,9 @@ ModelSearch::equal_laws(const std::vector<FitEvent>& found) const {
 // Other laws under a drive that varies from beat to beat, compared before a slow drive absorbs the
 // misfit of wrong laws. A thinned log is enough to rank them.
 std::optional<ModelSearch::Driven> ModelSearch::laws_that_explain(const Driven& driven) const {
-  constexpr std::size_t enough_to_rank_laws = 2500; // beats
+  constexpr std::size_t beats_to_rank_laws = 2500; // beats
   const FewBeats few =
-      few_beats(working_.data, driven.fitted.problem.parameters.event_cycles, enough_to_rank_laws);
+      few_beats(working_.data, driven.fitted.problem.parameters.event_cycles, beats_to_rank_laws);
   const Fitted simpler = on_few_beats(best_, few), here = on_few_beats(driven.fitted, few);
   if (!simpler.minimum.usable || !here.minimum.usable) return {};
   std::vector<Laws> others = other_laws(driven.laws);

@@ -248,15 +248,16 @@ void check_period(const FitOptions& options, const TimingData& data) {
   const bool is_gravity = !contains(options.freed, "gravity_share") &&
                           (share == options.fixed.end() || share->second == 1.0);
   if (given == options.fixed.end() || !is_gravity) return;
-  constexpr double widest_rad = 2.44, wider = 1.1; // of the model; than the amplitudes logged
+  constexpr double widest_rad = 2.44; // of the model
+  constexpr double margin = 1.1;      // over the amplitudes logged
   double most_rad = 0.0;
   for (const double a : data.amplitude_rad)
-    if (!std::isnan(a)) most_rad = std::max(most_rad, wider * a);
+    if (!std::isnan(a)) most_rad = std::max(most_rad, margin * a);
   if (most_rad == 0.0) most_rad = widest_rad;
   const double slowest = free_period_ratio(1.0, std::min(most_rad, widest_rad));
-  constexpr double drift = 0.02, hurried = 0.1; // of the period
+  constexpr double largest_drift = 0.02, largest_advance = 0.1; // of the period
   const double ratio = data.reference_period_s / given->second;
-  if (ratio > slowest + drift || ratio < 1.0 - hurried)
+  if (ratio > slowest + largest_drift || ratio < 1.0 - largest_advance)
     throw ArgumentError("T0", given->second,
                         fmt::format("the period of small swings of a pendulum whose mean period is "
                                     "{:.6g} s",

@@ -99,14 +99,14 @@ void settle_clock(const FitProblem& problem, std::vector<double>& x, const Searc
 // Searches on some beats of a long log first, so that all beats are needed at few points only.
 void begin_on_few_beats(const FitProblem& problem, std::vector<double>& x,
                         const SearchLimits& limits) {
-  constexpr std::size_t enough_beats = 8000;
+  constexpr std::size_t searched_beats = 8000;
   if (problem.condensed != nullptr || !problem.correction.late_s.empty() ||
-      problem.data->size() < 3 * enough_beats)
+      problem.data->size() < 3 * searched_beats)
     return;
   const Parameters& parameters = problem.parameters;
   const bool wanders = parameters.has(Quantity::walk_rms) || parameters.has(Quantity::drive_rms);
-  const FewBeats few = wanders ? FewBeats{at_one_stride(*problem.data, enough_beats)}
-                               : few_beats(*problem.data, parameters.event_cycles, enough_beats);
+  const FewBeats few = wanders ? FewBeats{at_one_stride(*problem.data, searched_beats)}
+                               : few_beats(*problem.data, parameters.event_cycles, searched_beats);
   const FitProblem fewer = problem.on(few.data);
   std::vector<double> there = with_noise_of_blocks(parameters, x, few.together);
   settle_clock(fewer, there, limits);

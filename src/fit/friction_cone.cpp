@@ -131,8 +131,8 @@ std::array<double, 2> FrictionCone::interval(const Eigen::VectorXd& h, double z)
       outside *= 2.0;
     if (!(outside < farthest * z)) return side * infinite;
     double inside = 0.0;
-    constexpr double fine = 1e-3; // of a sigma
-    while (outside - inside > fine) {
+    constexpr double resolution = 1e-3; // of a sigma
+    while (outside - inside > resolution) {
       const double middle = 0.5 * (inside + outside);
       (excess(best + side * middle * unit) > 0.0 ? outside : inside) = middle;
     }

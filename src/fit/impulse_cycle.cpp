@@ -129,8 +129,8 @@ public:
 
   // The sum of squares that a sine of n periods explains.
   [[nodiscard]] double sine() const {
-    constexpr std::size_t shapeless = 3; // periods: any pattern of so few is a sine
-    if (n_ <= shapeless) return 0.0;
+    constexpr std::size_t most_shapeless_periods = 3; // periods: any pattern of so few is a sine
+    if (n_ <= most_shapeless_periods) return 0.0;
     return in_noise(explained_by_sine(late_), has_swing() ? explained_by_sine(swing_) : 0.0);
   }
 
@@ -242,10 +242,10 @@ std::optional<Candidate> visible_pushes(const Sight& sight, double price) {
 // Whether apparent pushes are an overtone of pushes that are rarer than those looked for.
 bool is_part_of_longer_cycle(const Sight& sight, const Candidate& found, double price) {
   if (!found.pushes.is_regular) return false;
-  constexpr std::size_t rarest = 5; // times the longest cycle sought
+  constexpr std::size_t most_cycle_lengths = 5; // times the longest cycle sought
   const auto n = static_cast<std::size_t>(found.pushes.periods);
   for (std::size_t longer = 2 * n;
-       longer <= rarest * longest_cycle && longer * least_cycles <= sight.late.size();
+       longer <= most_cycle_lengths * longest_cycle && longer * least_cycles <= sight.late.size();
        longer += n) {
     if (longer <= longest_cycle) continue; // already looked for
     const auto candidate = RegularSearch(sight, longer, price).best();

@@ -22,8 +22,8 @@ bool has_too_many(const FitProblem& problem) {
   return problem.parameters.free_count > most_parameters;
 }
 
-constexpr std::size_t enough_to_screen = 2500; // beats, enough to distinguish starts
-constexpr std::size_t enough_to_rank = 1000;   // beats, enough to rank many starts
+constexpr std::size_t beats_to_screen = 2500; // beats, enough to distinguish starts
+constexpr std::size_t beats_to_rank = 1000;   // beats, enough to rank many starts
 
 // A change that is held fixed may separate every start from the best minimum. The minimum of the
 // same model with the change free is a start beyond that barrier.
@@ -120,7 +120,7 @@ std::vector<std::vector<double>> likeliest(std::vector<std::vector<double>> cloc
   constexpr std::size_t most_clocks =
       60; // of some 500 clocks on a grid whose neighbours differ by a factor of two
   if (clocks.size() <= most_clocks) return clocks;
-  const TimingData few = at_one_stride(*problem.data, enough_to_rank);
+  const TimingData few = at_one_stride(*problem.data, beats_to_rank);
   std::vector<Minimum> ranked = screened(problem.on(few), clocks);
   ranked.resize(std::min(ranked.size(), most_clocks));
   clocks.resize(1);
@@ -187,7 +187,7 @@ double unusualness(const FitProblem& problem, std::span<const double> x) {
 } // namespace
 
 bool worth_trying(const Fitted& simpler, const FitOptions& options, const ModelChoice& model) {
-  const TimingData thin = at_one_stride(*simpler.problem.data, enough_to_screen);
+  const TimingData thin = at_one_stride(*simpler.problem.data, beats_to_screen);
   FitProblem plain =
       simpler.problem.on(thin); // the choice of noise hardly affects the choice of dynamics
   FitProblem richer = make_problem(thin, options, model);
@@ -216,9 +216,9 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
   tried.front().x = points.front();
   if (points.size() > 1) {
     FitProblem few = fitted.problem;
-    const TimingData thin = at_one_stride(*few.data, enough_to_screen);
+    const TimingData thin = at_one_stride(*few.data, beats_to_screen);
     few.data = &thin;
-    const TimingData fewer = at_one_stride(thin, enough_to_rank);
+    const TimingData fewer = at_one_stride(thin, beats_to_rank);
     FitProblem fewest = few.on(fewer);
     if (is_extended) extend(fewest, points.front()); // the starts differ in their noise only
     tried = screened(fewest, points);
@@ -276,7 +276,7 @@ Fitted fit_in_two_steps(std::span<const Fitted* const> simpler, FitOptions& opti
   constexpr double largest_deficit =
       10.0; // of L, odds of 20000 to 1: more beats will not reverse that
   const FewBeats few =
-      few_beats(data, simpler.front()->problem.parameters.event_cycles, enough_to_screen);
+      few_beats(data, simpler.front()->problem.parameters.event_cycles, beats_to_screen);
   Fitted rough;
   double best = std::numeric_limits<double>::infinity();
   for (const Fitted* start : simpler) {
@@ -313,7 +313,7 @@ Fitted fit_from_any(std::span<const Fitted* const> simpler, FitOptions& options,
                     const ModelChoice& model) {
   const TimingData& data = *simpler.front()->problem.data;
   const FitProblem problem = make_problem(data, options, model);
-  if (sees_second_order(problem, options) && data.size() > 2 * enough_to_screen)
+  if (sees_second_order(problem, options) && data.size() > 2 * beats_to_screen)
     return fit_in_two_steps(simpler, options, model, data);
   Fitted likeliest;
   for (const Fitted* start : simpler) {

@@ -52,9 +52,9 @@ Scenario scenario_of(FitDynamics dynamics, const FitProblem& problem, std::span<
   scenario.clock = clock_of(going);
   scenario.start_amplitude = std::sqrt(going.amplitude2_start);
   scenario.periods = static_cast<std::int64_t>(problem.data->cycle.back());
-  constexpr std::int64_t worth_a_map = 500; // periods: for more, its patches pay off
+  constexpr std::int64_t most_direct_periods = 500; // periods: for more, its patches pay off
   scenario.method.method = dynamics == FitDynamics::averaged2 ? Method::averaged2
-                           : *scenario.periods > worth_a_map  ? Method::map
+                           : *scenario.periods > most_direct_periods  ? Method::map
                                                               : Method::direct;
   for (std::size_t k = 0; k < problem.parameters.event_cycles.size(); ++k) {
     apply_changes(problem.parameters, x, k + 1, going);

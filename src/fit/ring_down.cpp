@@ -95,9 +95,9 @@ std::vector<FrictionLaw> laws_of(const Fitted& all) {
 }
 
 bool amplitude_is_known(const Fitted& all) {
-  constexpr double well_enough = 1.0 / 3.0; // of itself
+  constexpr double largest_relative_sigma = 1.0 / 3.0; // of itself
   const Slot& lambda0 = *all.problem.parameters.find(Quantity::lambda0);
-  return !lambda0.free || all.known.sigma(lambda0.index) < well_enough;
+  return !lambda0.free || all.known.sigma(lambda0.index) < largest_relative_sigma;
 }
 
 } // namespace

@@ -183,8 +183,9 @@ FewBeats few_beats(const TimingData& data, const std::vector<double>& event_cycl
   if (data.size() < 3 * count) return {at_one_stride(data, count), 1.0};
   if (!guess_noise(data).walks) {
     TimingData means = block_means(data, event_cycles, together);
-    constexpr double gappy = 0.5; // of the blocks that could be
-    if (static_cast<double>(means.size() * together) > gappy * static_cast<double>(data.size()))
+    constexpr double least_filled_share = 0.5; // of the blocks that could be
+    if (static_cast<double>(means.size() * together) >
+        least_filled_share * static_cast<double>(data.size()))
       return {std::move(means), static_cast<double>(together)};
   }
   return {at_one_stride(data, count), 1.0};
