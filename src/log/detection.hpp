@@ -87,6 +87,7 @@ private:
   void fill_columns(bool named);
   void fill_time();
   void check_needed_columns();
+  [[nodiscard]] std::optional<OtherReading> likely_timing() const;
   void settle_times();
   void settle_date_order(std::size_t column);
   [[nodiscard]] bool unit_is_given(ColumnRole role) const;

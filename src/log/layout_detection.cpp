@@ -285,8 +285,32 @@ void Detection::check_needed_columns() {
   if (layout_.format == LogFormat::clock_error)
     refuse("columns for a label and the clock's error",
            {.words = "they are columns 1 and 2", .columns = {"time=1", "error=2"}});
-  refuse("a column with a time or a period",
-         {.words = "column 1 holds the times", .columns = {"time=1"}});
+  const std::string_view expected = "a column with a time or a period";
+  auto other = likely_timing();
+  if (!other) throw InputError(place, shown(line.text), expected);
+  refuse(expected, std::move(*other));
+}
+
+// The first column without a known name whose values are as times are, or else as periods are.
+std::optional<OtherReading> Detection::likely_timing() const {
+  const auto first = [&](auto is_one) {
+    std::size_t at = 0;
+    while (at < samples_.size() && !(layout_.columns[at].role == ColumnRole::ignored && is_one(at)))
+      ++at;
+    return at;
+  };
+  const auto reading = [](std::size_t column, std::string_view what, std::string_view role) {
+    return OtherReading{.words = fmt::format("column {} holds {}", column + 1, what),
+                        .columns = {fmt::format("{}={}", role, column + 1)}};
+  };
+  const std::size_t time = first([&](std::size_t i) {
+    return is_calendar(i) || are_days(i) || (is_number(i) && is_steady(samples_[i]));
+  });
+  if (time < samples_.size()) return reading(time, "the times", "time");
+  const std::size_t period =
+      first([&](std::size_t i) { return is_number(i) && are_alike(samples_[i]); });
+  if (period < samples_.size()) return reading(period, "periods", "period");
+  return {};
 }
 
 // Reports which of several columns is taken for the time: a wrong one would give a wrong rate.

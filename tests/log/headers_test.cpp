@@ -81,7 +81,7 @@ TEST(HeadersTest, PeriodsWithADecimalCommaMayHaveAnyName) {
 
 TEST(HeadersTest, DecimalsMayBeOfAnyLengthBelowOneName) {
   const auto short_ones = [](int i) {
-    return i % 5 == 0 ? fmt::format("{}", 2 * i) : fmt::format("{},{}", 2 * i, i % 5);
+    return i % 20 == 0 ? fmt::format("{}", 2 * i) : fmt::format("{},{}", 2 * i, i % 5);
   };
   const ClockLog log = read_log(under("Zeit (s)", short_ones), "log.txt");
   ASSERT_EQ(log.events.size(), static_cast<std::size_t>(lines));
@@ -120,6 +120,25 @@ TEST(HeadersTest, AFormatThatIsGivenHoldsUnderAnyName) {
   const ClockLog log = read_log(under("time_s", value), "log.csv", given);
   ASSERT_TRUE(log.grid);
   EXPECT_NEAR(log.grid->phase_s[3], 1e-4 * period_of(3), rounding_s);
+}
+
+TEST(HeadersTest, AnAdviceIsOneThatWorks) {
+  const auto columns = [](int i) {
+    return fmt::format("{:.3f},{:.4f}", 0.05 + 1e-3 * (i * i % 7), 1e-4 * time_of(i));
+  };
+  const std::string text = under("amplitude,n", columns);
+  try {
+    (void)read_log(text, "x");
+    FAIL();
+  } catch (const ImpossibleReading& error) {
+    ReadingOptions advised;
+    advised.columns = error.others().at(0).columns;
+    expect_beats(read_log(text, "x", advised));
+  }
+  const auto noise = [](int i) {
+    return fmt::format("{}.5,{}.5", i * i % 97 - 40, i * i % 89 - 50);
+  };
+  EXPECT_THROW((void)read_log(under("amplitude,temperature", noise), "x"), InputError);
 }
 
 TEST(HeadersTest, DecimalCommasThatAreNotThereAreMissed) {
