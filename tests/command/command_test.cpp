@@ -55,9 +55,9 @@ TEST_F(CommandTest, AReportsFiguresAndTablesAreWritten) {
                            "t/parameters.csv", "t/parameters.tex", "t/spectrum.csv"})
     EXPECT_TRUE(std::filesystem::exists(folder_ / name)) << name;
   const std::string rates = content(folder_ / "f/rate.csv");
-  EXPECT_EQ(rates.substr(0, rates.find('\n')), R"(series,"time since the first beat (min)",
-            "rate (s/day)", "low (s/day)", "high (s/day)")
-  ");
+  const std::string head = "series,\"time since the first beat (s)\",\"rate (s/day)\","
+                           "\"low (s/day)\",\"high (s/day)\"";
+  EXPECT_EQ(rates.substr(0, rates.find('\n')), head);
 }
 
 TEST_F(CommandTest, LinesAreNamedByTheTrain) {
