@@ -104,6 +104,49 @@ TEST(AnalyseTest, ACoarseLoggerShowsNoWheel) {
     }
 }
 
+// The log of a clock that follows the temperature of the day ends in its warmest hours: the rate to
+// go by is that of the whole.
+TEST(AnalyseTest, WeatherIsNotTakenForTheRateOfNow) {
+  RandomStream random(51, StreamPurpose::temperature_noise);
+  std::string text = "time_s,temperature_c\n";
+  double time = 0.0;
+  for (int n = 0; n < 12000; ++n) {
+    const double warmth = -3.0 * std::sin(2.0 * std::numbers::pi * (n / 12000.0 - 0.125));
+    text += fmt::format("{:.7f},{:.3f}\n", time + 1e-5 * random.normal(), 18.0 + warmth);
+    time += 2.0 * (1.0 - 2e-5 + 1e-5 * warmth) + 4e-6 * random.normal();
+  }
+  LoadRequest request;
+  request.path = "warm";
+  request.reading.nominal_period_s = 2.0;
+  const Analysis data = analyse(load_text(text, request));
+  EXPECT_EQ(data.now.from_cycle, data.stretches.back().from_cycle);
+}
+
+// A clock that stopped twice: the stop that ends the analysed part is dated by its beats.
+TEST(AnalyseTest, AStopIsDatedWhereTheBeatsEnd) {
+  RandomStream random(52, StreamPurpose::jitter);
+  std::string text;
+  double time = 0.0;
+  for (int n = 0; n < 9000; ++n) {
+    if (n == 2000) time += 5000.7;
+    if (n == 7000) time += 20000.9;
+    text += fmt::format("{:.6f}\n", time + 2e-5 * random.normal());
+    time += 2.0003;
+  }
+  LoadRequest request;
+  request.path = "stops";
+  request.reading.nominal_period_s = 2.0;
+  const Analysis data = analyse(load_text(text, request));
+  const auto stop = std::find_if(data.suspicions.begin(), data.suspicions.end(),
+                                 [](const Suspicion& s) { return s.cause == Cause::stop; });
+  ASSERT_NE(stop, data.suspicions.end());
+  const double length_s = data.beats.back().time - data.beats.front().time;
+  EXPECT_NEAR(length_s, 4999 * 2.0003, 1.0);
+  // At the end of the part, or before its beginning if only that break is taken for a stop.
+  EXPECT_TRUE(std::abs(stop->numbers.at_s - length_s) < 1.0 || stop->numbers.at_s < -5000.0)
+      << stop->numbers.at_s;
+}
+
 TEST(AnalyseTest, TheNutIsForTheRateOfTheEndOfTheLog) {
   LoadRequest log;
   log.path = GOINGRATE_SOURCE_DIR "/data/logs/jump.csv";

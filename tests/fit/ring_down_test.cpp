@@ -64,6 +64,43 @@ TEST(RingDownTest, ADrivenClockHasNoDecay) {
 }
 
 // Dry friction in addition to linear: 1/(2 epsilon) would be twice the Q of the swing.
+// The swing of a clock falls by a twentieth in 8000 swings, as its weight nears the floor. A free
+// pendulum would need a Q of 500 000 for that.
+TEST(RingDownTest, AClockWhoseSwingFadesIsNotFree) {
+  RandomStream noise(88, StreamPurpose::jitter);
+  std::vector<Beat> beats;
+  double time = 0.0;
+  constexpr int swings = 8000;
+  for (int n = 0; n < swings; ++n) {
+    const double amplitude = 0.042 * (1.0 - 0.05 * n / swings);
+    beats.push_back(event_at(Instant::from_seconds(time + 2e-5 * noise.normal()), Edge::up, 0,
+                             amplitude + 1e-4 * noise.normal()));
+    beats.back().cycle = n;
+    time += 1.9996 * (1.0 + amplitude * amplitude / 16.0);
+  }
+  const FitSummary fit = fit_clock(timing_data(beats), 2.0, {});
+  EXPECT_NE(fit.model.escapement, Escapement::none);
+  EXPECT_FALSE(fit.decay);
+}
+
+// Before the friction is known to be quadratic and dry, its misfit looks like times that walk.
+TEST(RingDownTest, TimesDoNotWalkOnceTheFrictionIsKnown) {
+  Scenario s;
+  s.clock = {1.5, 2e-5, 0.0, 0.03};
+  s.clock.quadratic_drag = 2e-3;
+  s.clock.dry_friction = 4e-6;
+  s.clock.escapement = Escapement::none;
+  s.start_amplitude = 0.3;
+  s.periods = 300;
+  s.sensor.jitter_rms_s = 2e-5;
+  s.sensor.amplitude_rms = 1e-4;
+  for (const std::uint64_t seed : {91, 92, 93, 94}) {
+    const FitSummary fit = fit_clock(timing_data(test::simulated_beats(s, seed)), 1.5, {});
+    EXPECT_FALSE(fit.model.walk) << seed;
+    EXPECT_TRUE(fit.model.quadratic) << seed;
+  }
+}
+
 TEST(RingDownTest, QIsNotThatOfTheLinearPartAlone) {
   Scenario scenario = test::ring_down(1000, 1e-5);
   scenario.clock.epsilon = 1e-4;

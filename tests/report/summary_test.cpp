@@ -440,6 +440,22 @@ TEST(SummaryTest, ASwingThatGrowsIsNotBlamedOnFriction) {
   EXPECT_NE(falls.find("friction grows"), std::string::npos) << falls;
 }
 
+TEST(SummaryTest, AChangeOfTheEscapementsAngleIsNoChangeOfForce) {
+  Analysis data = with_one_change(ChangeKind::drive);
+  Suspicion step{Cause::drive_step, 50.0, "evidence"};
+  step.numbers.at_s = 300.0;
+  step.numbers.size = 2e-5;
+  data.suspicions = {step};
+  data.fit.events = {{100, {"phi0"}}};
+  const std::string angle = all_of(report_sentences(data));
+  EXPECT_NE(angle.find("the angle at which the escapement acts changed then"), std::string::npos)
+      << angle;
+  data.fit.events = {{100, {"phi0", "mu"}}};
+  const std::string force = all_of(report_sentences(data));
+  EXPECT_NE(force.find("the force that drives the pendulum changed then"), std::string::npos)
+      << force;
+}
+
 TEST(SummaryTest, EveryCauseHasASentenceWithoutNaN) {
   Analysis data = quiet_report();
   for (int i = 0; i <= static_cast<int>(Cause::unknown); ++i) {

@@ -52,6 +52,15 @@ Decay some_decay(double widest_rad) {
   return decay;
 }
 
+TEST(TextTest, QThatDiffersBetweenIsTold) {
+  Decay decay = some_decay(0.3);
+  decay.q_at_amplitude = {{0.002, {247.0, 2.5}}, {0.1, {250.0, 0.03}}, {0.3, {249.2, 0.06}}};
+  const std::string text = decay_text(decay);
+  EXPECT_NE(text.find("from 249.200 ± 0.060 at 300 mrad to 250.000 ± 0.030 at 100 mrad"),
+            std::string::npos)
+      << text;
+}
+
 TEST(TextTest, ADecayHasOneUnitOfAngle) {
   const std::string narrow = decay_text(some_decay(0.2)), wide = decay_text(some_decay(0.7));
   EXPECT_NE(narrow.find("from 500.0 ± 5.0 at 200 mrad to 700.0 ± 5.0 at 20 mrad"),
