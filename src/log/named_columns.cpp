@@ -125,7 +125,8 @@ void Detection::settle_named_periods() {
       });
   if (!at || others || options_.wrap_s || options_.weather || !is_number(*at)) return;
   const ColumnSample& sample = samples_[*at];
-  if (is_steady(sample) || !are_alike(sample)) return;
+  constexpr std::size_t fewest_lines = 4; // to see that they do not rise
+  if (sample.numbers < fewest_lines || is_steady(sample) || !are_alike(sample)) return;
   layout_.columns[*at].role = ColumnRole::period;
   assume(fmt::format("column {}, {}, holds periods: its values are alike and do not rise", *at + 1,
                      shown(layout_.columns[*at].name)),

@@ -97,17 +97,18 @@ double RowReader::typical_step_s() const {
   return count > 0.0 ? sum / count : 0.0;
 }
 
-// What a time should have been; of one in words, the forms of dates that are read.
+// What a time should have been; of what may be a date in another form, the forms that are read.
 std::string_view RowReader::expected_time(std::string_view text) const {
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
   const bool has_letters = std::any_of(text.begin(), text.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
   });
+  constexpr std::ptrdiff_t fewest_digits = 4; // of a day and an hour
   if (days_alone_) return "a date";
-  if (!has_letters || says_nothing(text))
+  if (!has_letters || std::count_if(text.begin(), text.end(), is_digit) < fewest_digits)
     return layout_.calendar ? "a date and time" : "a time in seconds";
   return "a time in seconds, or a date such as 2013-02-22 23:38:00, 22.02.2013 23:38 or 22 Feb "
-         "2013 "
-         "23:38";
+         "2013 23:38";
 }
 
 std::optional<Instant> RowReader::written_time(const Line& line) {
