@@ -39,6 +39,17 @@ TEST(RingDownStudy, ShortForm) {
   EXPECT_LE(wrong, 2);
 }
 
+// Before the friction is known to be quadratic and dry, its misfit looks like times that walk.
+TEST(RingDownStudy, TimesDoNotWalkOnceTheFrictionIsKnown) {
+  for (const std::uint64_t seed : {4000, 4001, 4015}) {
+    const test::RingDown drawn =
+        test::RingDownPrior(seed).draw("quadratic + dry", test::WatchedBy::samples);
+    const Analysis data = analyse(load_text(drawn.text, drawn.request), {});
+    EXPECT_EQ(data.fit.model.noise(), "jitter") << seed;
+    EXPECT_TRUE(data.fit.model.quadratic) << seed;
+  }
+}
+
 // The period of a free pendulum changes as its swing dies away; that is not a change of the clock.
 TEST(RingDownStudy, ItsCourseIsNoChange) {
   for (const std::uint64_t seed : {9122u, 9127u}) {

@@ -83,24 +83,6 @@ TEST(RingDownTest, AClockWhoseSwingFadesIsNotFree) {
   EXPECT_FALSE(fit.decay);
 }
 
-// Before the friction is known to be quadratic and dry, its misfit looks like times that walk.
-TEST(RingDownTest, TimesDoNotWalkOnceTheFrictionIsKnown) {
-  Scenario s;
-  s.clock = {1.5, 2e-5, 0.0, 0.03};
-  s.clock.quadratic_drag = 2e-3;
-  s.clock.dry_friction = 4e-6;
-  s.clock.escapement = Escapement::none;
-  s.start_amplitude = 0.3;
-  s.periods = 300;
-  s.sensor.jitter_rms_s = 2e-5;
-  s.sensor.amplitude_rms = 1e-4;
-  for (const std::uint64_t seed : {91, 92, 93, 94}) {
-    const FitSummary fit = fit_clock(timing_data(test::simulated_beats(s, seed)), 1.5, {});
-    EXPECT_FALSE(fit.model.walk) << seed;
-    EXPECT_TRUE(fit.model.quadratic) << seed;
-  }
-}
-
 TEST(RingDownTest, QIsNotThatOfTheLinearPartAlone) {
   Scenario scenario = test::ring_down(1000, 1e-5);
   scenario.clock.epsilon = 1e-4;
