@@ -12,6 +12,12 @@
 namespace goingrate {
 namespace {
 
+AnalysisRequest without_profiles() {
+  AnalysisRequest request;
+  request.traces_profiles = false;
+  return request;
+}
+
 // The drive is doubled after 300 s, which no small change of the rate's course describes: the fit
 // does, and so the change itself is the cause, and the only one.
 TEST(AnalyseTest, AChangeThatTheFitExplainsIsTheCause) {
@@ -83,12 +89,12 @@ TEST(AnalyseTest, ACoarseLoggerShowsNoChange) {
 // drifts with the rate. A wheel that moves the times by a step and a half is told all the same.
 TEST(AnalyseTest, ACoarseLoggerShowsNoWheel) {
   for (const double wheel_s : {0.0, 1.5e-3})
-    for (const std::uint64_t seed : {31, 32, 33, 34, 35, 36}) {
+    for (const std::uint64_t seed : {31, 32, 33}) {
       RandomStream random(seed, StreamPurpose::temperature_noise);
       const double period_s = 1.7 * (1.0 - 1e-5 * static_cast<double>(seed));
       std::string text;
       double late = 0.0;
-      for (int n = 0; n < 4000; ++n) {
+      for (int n = 0; n < 2500; ++n) {
         late += 1.4e-5 * random.normal();
         const double turn = wheel_s * std::sin(2.0 * std::numbers::pi * n / 36.0);
         text += fmt::format("{:.3f}\n", n * period_s + late + turn);
@@ -96,7 +102,7 @@ TEST(AnalyseTest, ACoarseLoggerShowsNoWheel) {
       LoadRequest request;
       request.path = "coarse";
       request.reading.nominal_period_s = 1.7;
-      const Analysis data = analyse(load_text(text, request));
+      const Analysis data = analyse(load_text(text, request), without_profiles());
       const bool is_told =
           std::any_of(data.suspicions.begin(), data.suspicions.end(),
                       [](const Suspicion& suspicion) { return suspicion.cause == Cause::wheel; });
@@ -110,15 +116,15 @@ TEST(AnalyseTest, WeatherIsNotTakenForTheRateOfNow) {
   RandomStream random(51, StreamPurpose::temperature_noise);
   std::string text = "time_s,temperature_c\n";
   double time = 0.0;
-  for (int n = 0; n < 12000; ++n) {
-    const double warmth = -3.0 * std::sin(2.0 * std::numbers::pi * (n / 12000.0 - 0.125));
+  for (int n = 0; n < 6000; ++n) {
+    const double warmth = -3.0 * std::sin(2.0 * std::numbers::pi * (n / 6000.0 - 0.125));
     text += fmt::format("{:.7f},{:.3f}\n", time + 1e-5 * random.normal(), 18.0 + warmth);
     time += 2.0 * (1.0 - 2e-5 + 1e-5 * warmth) + 4e-6 * random.normal();
   }
   LoadRequest request;
   request.path = "warm";
   request.reading.nominal_period_s = 2.0;
-  const Analysis data = analyse(load_text(text, request));
+  const Analysis data = analyse(load_text(text, request), without_profiles());
   EXPECT_EQ(data.now.from_cycle, data.stretches.back().from_cycle);
 }
 
