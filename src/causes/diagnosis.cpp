@@ -320,7 +320,11 @@ bool is_long_enough(const DiagnosisInput& input) {
 
 // Causes that explain the course of the rate, and those found without a model of the rate.
 void add_suspicions_of_log(const DiagnosisInput& input, std::vector<Suspicion>& all) {
-  if (!is_long_enough(input)) return;
+  if (input.data == nullptr) return;
+  if (!is_long_enough(input)) { // what was taken off before the fit is sure all the same
+    look_at_displacements(input, input.data->displaced, all);
+    return;
+  }
   const Undisplaced times(*input.data);
   for (Suspicion& suspicion : Diagnosis(input, times.data()).suspicions())
     all.push_back(std::move(suspicion));

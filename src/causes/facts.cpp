@@ -30,38 +30,6 @@ bool is_hole(const TimingData& data, std::size_t beat) {
   return data.cycle[beat] > data.cycle[beat - 1] + 1.5;
 }
 
-void look_at_displacements(const DiagnosisInput& input, const std::vector<Displacement>& found,
-                           std::vector<Suspicion>& all) {
-  if (found.empty()) return;
-  const Displacement& first = found.front();
-  double gain = 0.0;
-  for (const Displacement& d : found)
-    gain += d.gain;
-  std::string evidence = fmt::format(
-      "{} after the start all later times are displaced by {} ms, while the rate stays the same",
-      time_words(input.data->elapsed_s[first.beat]), readable_signed(1e3 * first.late_s, 3));
-  CauseNumbers numbers;
-  numbers.at_s = input.data->elapsed_s[first.beat];
-  numbers.size = first.late_s;
-  numbers.places = found.size();
-  if (found.size() == 1) {
-    std::vector<Cause> alternatives{Cause::knock};
-    if (is_hole(*input.data, first.beat)) alternatives.push_back(Cause::stop);
-    all.push_back({Cause::sensor_shift, gain, std::move(evidence), std::move(alternatives),
-                   "If the sensor was moved, beats of the other direction are displaced the "
-                   "opposite way.",
-                   numbers});
-    return;
-  }
-  evidence += fmt::format("; {} more such displacements", found.size() - 1);
-  all.push_back({Cause::knock,
-                 gain,
-                 std::move(evidence),
-                 {Cause::sensor_shift},
-                 "Check whether doors, traffic or people coincide with those times.",
-                 numbers});
-}
-
 // The share of all beats that are missing in holes of a few: a longer one is a break in the log.
 double missed_share(const TimingData& data) {
   constexpr double longest_hole = 20.0; // beats
@@ -173,6 +141,42 @@ void look_at_stop(const DiagnosisInput& input, std::vector<Suspicion>& all) {
 }
 
 } // namespace
+
+void look_at_displacements(const DiagnosisInput& input, const std::vector<Displacement>& found,
+                           std::vector<Suspicion>& all) {
+  if (found.empty()) return;
+  const Displacement& first = found.front();
+  double gain = 0.0;
+  for (const Displacement& d : found)
+    gain += d.gain;
+  std::string evidence = fmt::format(
+      "{} after the start all later times are displaced by {} ms, while the rate stays the same",
+      time_words(input.data->elapsed_s[first.beat]), readable_signed(1e3 * first.late_s, 3));
+  CauseNumbers numbers;
+  numbers.at_s = input.data->elapsed_s[first.beat];
+  numbers.size = first.late_s;
+  numbers.places = found.size();
+  if (input.data->reference_period_s > longest_swing_s) { // a clock that is read
+    all.push_back({Cause::sensor_shift, gain, std::move(evidence), {}, "", numbers});
+    return;
+  }
+  if (found.size() == 1) {
+    std::vector<Cause> alternatives{Cause::knock};
+    if (is_hole(*input.data, first.beat)) alternatives.push_back(Cause::stop);
+    all.push_back({Cause::sensor_shift, gain, std::move(evidence), std::move(alternatives),
+                   "If the sensor was moved, beats of the other direction are displaced the "
+                   "opposite way.",
+                   numbers});
+    return;
+  }
+  evidence += fmt::format("; {} more such displacements", found.size() - 1);
+  all.push_back({Cause::knock,
+                 gain,
+                 std::move(evidence),
+                 {Cause::sensor_shift},
+                 "Check whether doors, traffic or people coincide with those times.",
+                 numbers});
+}
 
 Undisplaced::Undisplaced(const TimingData& data) : data_(&data) {
   constexpr std::size_t most_displaced = 8;

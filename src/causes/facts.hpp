@@ -24,6 +24,10 @@ private:
   std::optional<TimingData> corrected_;
 };
 
+/// Adds the cause of displaced times: a sensor that was moved, a knock, hands that were set.
+void look_at_displacements(const DiagnosisInput& input, const std::vector<Displacement>& found,
+                           std::vector<Suspicion>& all);
+
 /// The suspicions of these causes, each with a gain of convincing_gain or more.
 std::vector<Suspicion> suspicions_of_facts(const DiagnosisInput& input,
                                            const std::vector<Displacement>& displaced);

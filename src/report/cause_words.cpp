@@ -108,6 +108,14 @@ private:
                          "the train, or something moved by one, turns once in that time",
                          size(), numbers_.period_s);
     case Cause::sensor_shift:
+      if (words_.is_read())
+        return fmt::format(
+            "{} the clock begins to show {} {} than before{}, and goes on as it did: "
+            "most likely its hands were set",
+            words_.moment(numbers_.at_s), short_time(std::abs(numbers_.size), 0.0),
+            numbers_.size < 0.0 ? "more" : "less",
+            numbers_.places > 1 ? fmt::format(", the largest of {} such leaps", numbers_.places)
+                                : "");
       return fmt::format(
           "{} the beats begin to come {} {} than before, and the clock goes on as it "
           "did: most likely the sensor was moved",

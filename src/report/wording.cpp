@@ -148,6 +148,7 @@ DisplayUnit unit_of_moments(const Analysis& data) {
 Wording::Wording(const Analysis& data)
     : rate_(unit_of_rates(data)), angle_(unit_of_angles(data)),
       duration_(time_unit(data.rate.duration_s)), moment_(unit_of_moments(data)) {
+  is_read_ = data.rate.nominal_period_s > longest_swing_s;
   if (data.beats.empty()) return;
   first_ = data.beats.front().time;
   is_dated_ = may_be_date(first_);

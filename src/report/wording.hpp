@@ -44,6 +44,9 @@ public:
   /// mrad, or rad where the pendulum swings by more than half a radian.
   [[nodiscard]] const DisplayUnit& angle_unit() const { return angle_; }
 
+  /// Whether the log holds readings of a clock, not beats.
+  [[nodiscard]] bool is_read() const { return is_read_; }
+
   /// "+18.42 ± 0.85 s/day".
   [[nodiscard]] std::string rate(double rate_excess, double sigma) const;
   /// "gains 18.42 ± 0.85 s/day" or "loses ...".
@@ -70,7 +73,7 @@ private:
 
   DisplayUnit rate_, angle_, duration_, moment_;
   Instant first_;
-  bool is_dated_ = false;
+  bool is_dated_ = false, is_read_ = false;
 };
 
 /// The text with its first letter as a capital.

@@ -153,6 +153,26 @@ TEST(AnalyseTest, AStopIsDatedWhereTheBeatsEnd) {
       << stop->numbers.at_s;
 }
 
+// The hands are put forward by two minutes in a log of daily readings, which is too short for
+// causes that show in the course of the rate.
+TEST(AnalyseTest, HandsThatAreSetAreTold) {
+  RandomStream random(53, StreamPurpose::jitter);
+  std::string text = "Date,Error (s)\n";
+  double error = 2.0;
+  for (int day = 1; day <= 90; ++day) {
+    error += -2.4 + 0.3 * random.normal() + (day == 61 ? 120.0 : 0.0);
+    const int month = day > 59 ? 3 : day > 31 ? 2 : 1; // of 2023
+    const int of_month = day - (month == 3 ? 59 : month == 2 ? 31 : 0);
+    text += fmt::format("2023-{:02}-{:02} 09:00,{:+.1f}\n", month, of_month, error);
+  }
+  LoadRequest request;
+  request.path = "daily";
+  const Analysis data = analyse(load_text(text, request));
+  ASSERT_EQ(data.suspicions.size(), 1u);
+  EXPECT_EQ(data.suspicions.front().cause, Cause::sensor_shift);
+  EXPECT_NEAR(data.suspicions.front().numbers.size, -120.0, 1.5);
+}
+
 TEST(AnalyseTest, TheNutIsForTheRateOfTheEndOfTheLog) {
   LoadRequest log;
   log.path = GOINGRATE_SOURCE_DIR "/data/logs/jump.csv";
