@@ -45,6 +45,8 @@ bool is_step(Cause cause) {
   return cause == Cause::drive_step || cause == Cause::friction_step || cause == Cause::length_step;
 }
 
+constexpr double dating_share = 0.01; // of the log: dates of one change
+
 bool is_drift(Cause cause) {
   return cause == Cause::growing_friction || cause == Cause::length_drift;
 }
@@ -320,10 +322,10 @@ std::string less_likely(std::string explanation) {
 
 // Whether the change that the fit has at this time is of that angle alone.
 bool Sentences::escapement_angle_changed(double at_s) const {
-  constexpr double dating_share = 0.01; // of the log: dates of one change
   return std::any_of(data_.fit.events.begin(), data_.fit.events.end(), [&](const FitEvent& event) {
     const double event_s = static_cast<double>(event.cycle) * data_.rate.mean_period_s;
-    return std::abs(event_s - at_s) < dating_share * data_.rate.duration_s &&
+    return !event.names.empty() &&
+           std::abs(event_s - at_s) < dating_share * data_.rate.duration_s &&
            std::all_of(event.names.begin(), event.names.end(), [](const std::string& name) {
              return name == "phi0" || name == "impulse_angle";
            });
@@ -334,16 +336,14 @@ bool Sentences::escapement_angle_changed(double at_s) const {
 void Sentences::say_what_it_suffers_from() {
   if (suspicions_.empty()) return;
   const Suspicion& first = suspicions_.front();
-  constexpr double dating_share = 0.01; // of the log: dates of one change
   const bool told =
       changes_.size() == 1 && is_step(first.cause) &&
       std::abs(first.numbers.at_s - changes_.front()->at_s) < dating_share * data_.rate.duration_s;
   const std::string advice = first.advice.empty() ? "" : " " + first.advice;
-  const bool is_angle = escapement_angle_changed(first.numbers.at_s);
-  say((is_angle ? explanation(first, words_, sees_amplitude_, told ? "then" : "",
-                              "the angle at which the escapement acts")
-                : explanation(first, words_, sees_amplitude_, told ? "then" : "")) +
-      advice);
+  const std::string_view drive = escapement_angle_changed(first.numbers.at_s)
+                                     ? "the angle at which the escapement acts"
+                                     : driving_force;
+  say(explanation(first, words_, sees_amplitude_, told ? "then" : "", drive) + advice);
   const auto other = std::find_if(suspicions_.begin(), suspicions_.end(),
                                   [&](const Suspicion& s) { return s.cause != first.cause; });
   if (other != suspicions_.end())
