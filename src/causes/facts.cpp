@@ -178,11 +178,14 @@ void look_at_displacements(const DiagnosisInput& input, const std::vector<Displa
                  numbers});
 }
 
+// A clock whose times leap more often does so by its nature, as one that is pushed now and then.
 Undisplaced::Undisplaced(const TimingData& data) : data_(&data) {
   constexpr std::size_t most_displaced = 8;
-  while (data_->displaced.size() < most_displaced) {
-    const auto next = greatest_displacement(*data_);
-    if (!next) return;
+  while (const auto next = greatest_displacement(*data_)) {
+    if (data_->displaced.size() == most_displaced) {
+      data_ = &data;
+      return;
+    }
     if (!corrected_) data_ = &corrected_.emplace(data);
     take_off(*next, *corrected_);
   }

@@ -205,7 +205,7 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   const std::vector<FitNote> faults = contradictions(fitted, summary.quality);
   if (!faults.empty()) {
     known.distrusted.assign(known.distrusted.size(), true);
-    if (summary.status == FitStatus::converged) summary.status = FitStatus::contradicts_log;
+    summary.status = FitStatus::contradicts_log;
     summary.notes.insert(summary.notes.end(), faults.begin(), faults.end());
   }
   summary.dynamics = fitted.dynamics;

@@ -52,9 +52,18 @@ std::optional<RoughStretch> rough_stretch(const Fitted& fitted) {
   return rough;
 }
 
-// Between two pushes the swing is free and shows its friction, whatever the pushes give. A drive
-// that waits for the swing to fall regulates the amplitude, and a fit with a mean drive mistakes
-// the memory of that regulation for friction.
+// A drive that waits for the swing to fall regulates the amplitude, and a fit with a mean drive
+// mistakes the memory of that regulation for friction.
+std::optional<FitNote> regulated_swing(const Fitted& fitted) {
+  const auto& pushes = fitted.problem.data->impulses;
+  if (!pushes || pushes->is_regular || fitted.model.escapement == Escapement::none) return {};
+  return FitNote{NoteKind::misfit,
+                 "the clock waits with its push until the swing has fallen, which holds the "
+                 "amplitude as no steady drive does: what is fitted with the mean drive is not "
+                 "that of this clock"};
+}
+
+// Between two pushes the swing is free and shows its friction, whatever the pushes give.
 std::optional<FitNote> other_friction_between_pushes(const Fitted& fitted) {
   const auto& pushes = fitted.problem.data->impulses;
   const Slot& slot = *fitted.problem.parameters.find(Quantity::epsilon);
@@ -75,6 +84,10 @@ std::optional<FitNote> other_friction_between_pushes(const Fitted& fitted) {
 
 } // namespace
 
+bool scatters_unevenly(const Fitted& fitted) {
+  return fitted.widening.largest() > largest_widening && rough_stretch(fitted);
+}
+
 std::vector<FitNote> contradictions(const Fitted& fitted, const FitQuality& quality) {
   std::vector<FitNote> found;
   if (const auto rough = rough_stretch(fitted);
@@ -89,9 +102,12 @@ std::vector<FitNote> contradictions(const Fitted& fitted, const FitQuality& qual
     found.push_back({NoteKind::domain,
                      "the best fit swings or loses more than any pendulum of this model: "
                      "something else rules the times"});
-  if (const auto other = other_friction_between_pushes(fitted)) found.push_back(*other);
+  if (const auto regulated = regulated_swing(fitted))
+    found.push_back(*regulated);
+  else if (const auto other = other_friction_between_pushes(fitted))
+    found.push_back(*other);
   constexpr double least_p_value = 1e-6;
-  if (found.empty() && quality.p_value < least_p_value)
+  if (found.empty() && fitted.minimum.converged && quality.p_value < least_p_value)
     found.push_back({NoteKind::misfit,
                      fmt::format("the times stray from the best fit by {} times the "
                                  "scatter of neighbouring beats: no clock of this model explains "

@@ -11,6 +11,10 @@ namespace goingrate::timing_model {
 /// there is none.
 std::vector<FitNote> contradictions(const Fitted& fitted, const FitQuality& quality);
 
+/// Whether the model does not explain the log, and the beats of some stretch scatter far more than
+/// elsewhere: no noise that is alike throughout the log explains that.
+bool scatters_unevenly(const Fitted& fitted);
+
 /// Notes the priors from which the log has pulled its parameters far away.
 void state_contradictions(const Fitted& fitted, FitSummary& summary);
 

@@ -2,6 +2,7 @@
 // beat to beat or slowly, or times that walk.
 #include "model_choice.hpp"
 
+#include "contradictions.hpp"
 #include "date_search.hpp"
 
 #include "base/readable.hpp"
@@ -120,10 +121,11 @@ void ModelSearch::choose_noise() {
   // As long as the model had no such drive, changes were dated so as to explain its effects.
   move_dates(drive.fitted, drive.laws.options);
   if (automatic) let_times_walk(drive, dynamics);
-  auto other = white(drive.fitted) ? std::nullopt : laws_that_explain(drive);
+  const bool is_hopeless = automatic && scatters_unevenly(drive.fitted);
+  auto other = is_hopeless || white(drive.fitted) ? std::nullopt : laws_that_explain(drive);
   const bool are_other = other.has_value();
   if (are_other) drive = std::move(*other);
-  Fitted slow = with_slow_drive(drive, dynamics);
+  Fitted slow = is_hopeless ? Fitted{} : with_slow_drive(drive, dynamics);
   const auto take_laws = [&] {
     if (best_.model.drive) options_.events = drive.laws.options.events;
     if (best_.model.drive && are_other) settled_.equal.clear(); // equal to the earlier laws

@@ -84,13 +84,10 @@ public:
 
   /// Advances by `cycles`; sight and response are those of the beat at their end.
   GOINGRATE_INLINED void pass(const Sight<T>& sight, const ResponseAt& response, double cycles) {
-    // Cycles are followed one by one up to this number; longer gaps are rare.
-    constexpr double followed_cycles = 8.0;
-    if (extended_ && cycles <= followed_cycles) {
-      for (double passed = 0.0; passed < cycles; ++passed)
-        pass_extended(sight, response);
-      return;
-    }
+    // While they pass, the amplitude hardly returns to the course, so that the gains at their start
+    // serve them all; longer gaps are rare.
+    constexpr double most_alike_cycles = 8.0;
+    if (extended_ && cycles <= most_alike_cycles) return pass_extended(sight, response, cycles);
     const bool known = sight.settled && kept_cycles_ == cycles && kept_settled_;
     if (!known) {
       step_ = over(cycle_on_course(sight, response), cycles);
@@ -162,6 +159,7 @@ private:
   struct Step {
     Matrix transition{};
     Matrix noise{};
+    std::array<T, D> shift{}; // of the state, besides what the transition makes of it
   };
 
   static std::array<T, D> times(const Matrix& a, const std::array<T, D>& v) {
@@ -207,6 +205,11 @@ private:
     for (std::size_t i = 0; i < D; ++i)
       for (std::size_t k = 0; k <= i; ++k)
         covariance_[k][i] = covariance_[i][k] = covariance_[i][k] - gain[i] * shared[k];
+  }
+  static std::array<T, D> plus(std::array<T, D> a, const std::array<T, D>& b) {
+    for (std::size_t i = 0; i < D; ++i)
+      a[i] += b[i];
+    return a;
   }
   static void add(Matrix& to, const Matrix& what) {
     for (std::size_t i = 0; i < D; ++i)
@@ -281,9 +284,11 @@ private:
     return cycle(sight.T0, response.there(*sight.laws, sight.amplitude2, sight.T0, T(0.0)).gains);
   }
 
-  // Advances by one cycle. The mean first accounts for the departure of the amplitude from the
-  // course, then for that of the drive; the covariance uses the gains with both departures.
-  GOINGRATE_INLINED void pass_extended(const Sight<T>& sight, const ResponseAt& response) {
+  // Advances by cycles of the same gains. The mean first accounts for the departure of the
+  // amplitude from the course, then for that of the drive; the covariance uses the gains with both
+  // departures.
+  GOINGRATE_INLINED void pass_extended(const Sight<T>& sight, const ResponseAt& response,
+                                       double cycles) {
     const T end = kept_outside(sight, response, state_[1]);
     const auto [grown, late] = response.passed(*sight.laws, sight.amplitude2, sight.T0, end);
     auto [there, of_amplitude2, of_late] =
@@ -313,6 +318,13 @@ private:
     step.noise[1][0] = step.noise[0][1];
     step.noise[1][1] += of_amplitude2.covariance(of_amplitude2, w2, product, u2);
     if constexpr (D == 3) next[2] = step.transition[2][2] * state_[2];
+    if (cycles > 1.0) {
+      const std::array<T, D> carried = times(step.transition, state_);
+      for (std::size_t i = 0; i < D; ++i)
+        step.shift[i] = next[i] - carried[i];
+      step = over(step, cycles);
+      next = plus(times(step.transition, state_), step.shift);
+    }
     state_ = next;
     covariance_ = spread(step.transition, covariance_);
     add(covariance_, step.noise);
@@ -324,16 +336,17 @@ private:
     const auto count = static_cast<std::uint64_t>(cycles);
     Step total = one;
     for (std::uint64_t bit = std::bit_floor(count) / 2; bit > 0; bit /= 2) {
-      total = {times(total.transition, total.transition), joined(total, total)};
-      if ((count & bit) != 0) total = {times(one.transition, total.transition), joined(one, total)};
+      total = joined(total, total);
+      if ((count & bit) != 0) total = joined(one, total);
     }
     return total;
   }
-  // The noise of `first` followed by `second`.
-  static Matrix joined(const Step& second, const Step& first) {
-    Matrix noise = spread(second.transition, first.noise);
-    add(noise, second.noise);
-    return noise;
+  // `first` followed by `second`.
+  static Step joined(const Step& second, const Step& first) {
+    Step both{times(second.transition, first.transition), spread(second.transition, first.noise),
+              plus(times(second.transition, first.shift), second.shift)};
+    add(both.noise, second.noise);
+    return both;
   }
 
   // The gain is taken as constant once three beats in a row, on a settled course, change it by less

@@ -47,7 +47,25 @@ struct LeastSquares {
 
 } // namespace
 
-Grid less_moving_mean(const Grid& values, std::size_t n) {
+namespace {
+
+// Values with short gaps bridged by straight lines.
+Grid bridged(Grid values) {
+  constexpr std::size_t longest_gap = 3; // cycles: short beside what bends the course
+  std::size_t last = 0;                  // known
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    if (!std::isfinite(values[i])) continue;
+    const std::size_t gap = i - last - 1;
+    for (std::size_t k = 1; k <= gap && gap <= longest_gap; ++k)
+      values[last + k] =
+          std::lerp(values[last], values[i], static_cast<double>(k) / static_cast<double>(gap + 1));
+    last = i;
+  }
+  return values;
+}
+
+// The values minus the mean of the n around each, where all of these are known.
+Grid less_mean_around(const Grid& values, std::size_t n) {
   std::vector<double> sums{0.0};
   std::vector<std::size_t> holes{0};
   for (const double v : values) {
@@ -63,6 +81,17 @@ Grid less_moving_mean(const Grid& values, std::size_t n) {
     const double outer = even ? 0.5 * (values[from] + values[to - 1]) : 0.0;
     left[i] = values[i] - (sums[to] - sums[from] - outer) / static_cast<double>(n);
   }
+  return left;
+}
+
+} // namespace
+
+// What the first mean leaves of a bent course drifts, and would fold into a tooth; the second takes
+// that away.
+Grid less_moving_mean(const Grid& values, std::size_t n) {
+  Grid left = less_mean_around(less_mean_around(bridged(values), n), n);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!std::isfinite(values[i])) left[i] = unknown;
   return left;
 }
 

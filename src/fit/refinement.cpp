@@ -107,6 +107,12 @@ bool is_lost_for_good(const Fitted& fitted) {
   return seen && is_lost(*seen);
 }
 
+// Whether a fit with noise of the drive explains so little that nothing of it can be stated.
+bool explains_nothing(const Fitted& fitted) {
+  return (fitted.model.drive || fitted.model.slow) && is_lost(fitted.seen) &&
+         fitted.widening.largest() > largest_widening;
+}
+
 } // namespace
 
 bool refine(Fitted& fitted, FitDynamics dynamics) {
@@ -126,6 +132,7 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
   const bool with_slopes = refined.problem.parameters.escapement == Escapement::none ||
                            refined.problem.parameters.has(Quantity::drive_rms) ||
                            !refined.problem.data->has_amplitude();
+  const bool was_lost = explains_nothing(fitted);
   for (int round = 0; round < rounds; ++round) {
     const auto here = by_its_own(dynamics, refined);
     if (!here) { // the search led to where the dynamics cannot follow
@@ -134,7 +141,8 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
         refined.minimum.x[k] = 0.5 * (refined.minimum.x[k] + best.minimum.x[k]);
       continue;
     }
-    const bool is_far = is_far_beyond(fitted, refined.problem);
+    const bool is_far = is_far_beyond(fitted, refined.problem) ||
+                        (was_lost && (round == 0 || is_lost_for_good(refined)));
     if (with_slopes && !is_far) slopes.put_into(refined, dynamics);
     if (*here < best.minimum.value) {
       best = refined;

@@ -72,6 +72,9 @@ std::string model_sentence(const Analysis& data, bool sees_amplitude, bool told_
     return fmt::format("No pendulum was fitted: {}.", fit.termination);
   if (!fit.has_result() || fit.parameters.empty())
     return "No model of a pendulum could be fitted to this log.";
+  if (fit.status == FitStatus::contradicts_log && fit.impulses && !fit.impulses->is_regular)
+    return "A drive that waits for the swing to fall is not the steady one of the model, so none "
+           "of its numbers is given.";
   if (fit.status == FitStatus::contradicts_log)
     return "The model of the pendulum does not explain this log, so none of its numbers is given.";
   constexpr double least_p = 1e-3; // probability that residuals are white

@@ -4,6 +4,7 @@
 #include "goingrate/analysis/analyse.hpp"
 #include "goingrate/analysis/simulated_logs.hpp"
 #include "goingrate/dynamics/intermittent.hpp"
+#include "support/simulated.hpp"
 
 #include <algorithm>
 #include <array>
@@ -173,6 +174,31 @@ TEST(ImpulseCycleTest, WhereNoClockExplainsTheLogNoneIsListed) {
   EXPECT_FALSE(fit.likeliest_twin);
 }
 
+// What a fit with the mean drive of such a clock finds may lie several sigma off without looking
+// wrong; what its pushes do to the times is no knock.
+TEST(ImpulseCycleTest, AFitOfAClockThatWaitsStatesNothing) {
+  Scenario scenario;
+  scenario.clock.nominal_period_s = 1.3;
+  scenario.clock.epsilon = 2e-4;
+  scenario.clock.escapement = Escapement::single_impulse;
+  scenario.clock.impulse_angle = 0.004;
+  scenario.clock.impulse = 2.5e-5;
+  scenario.clock.below = 0.03;
+  scenario.periods = 9000;
+  scenario.drive.fast_rms = 0.05;
+  scenario.sensor.jitter_rms_s = 5e-6;
+  scenario.sensor.amplitude_rms = 2e-5;
+  const Analysis clock = analyse(simulated(scenario, 2), {});
+  ASSERT_TRUE(clock.fit.impulses && clock.fit.impulses->epsilon);
+  const auto& epsilon = *clock.fit.impulses->epsilon;
+  EXPECT_NEAR(epsilon.value, 2e-4, 4.0 * epsilon.sigma);
+  EXPECT_EQ(clock.fit.status, FitStatus::contradicts_log);
+  for (const char* name : {"T0", "epsilon", "impulse", "impulse_angle"})
+    EXPECT_FALSE(std::isfinite(clock.fit.find(name)->sigma)) << name;
+  for (const Suspicion& suspicion : clock.suspicions)
+    EXPECT_NE(suspicion.cause, Cause::knock) << suspicion.evidence;
+}
+
 // Decays between pushes to a relative 1e-4: at 0.05 rad the amplitude alone makes 3e-4.
 TEST(ImpulseCycleTest, AWideSwingLosesMore) {
   Scenario scenario = clock_with_rests(1, 1e-7);
@@ -297,6 +323,20 @@ TEST(ImpulseCycleTest, WheelsAndNoiseAreNoPushes) {
 
 // White jitter, a random walk of the times, amplitudes with noise: 400 logs, where one in some
 // thousand may show pushes by chance.
+// The period of a wide swing under dry friction falls ever more slowly: what a mean over 60 swings
+// leaves of that drifts.
+TEST(ImpulseCycleTest, ABentCourseShowsNone) {
+  Scenario scenario;
+  scenario.clock.epsilon = 0.0;
+  scenario.clock.escapement = Escapement::none;
+  scenario.clock.dry_friction = 6e-5;
+  scenario.start_amplitude = 0.3;
+  scenario.periods = 1000;
+  scenario.sensor.jitter_rms_s = 1e-4;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed)
+    EXPECT_FALSE(find_impulse_cycle(timing_data(test::simulated_beats(scenario, seed)))) << seed;
+}
+
 TEST(ImpulseCycleTest, NoiseShowsNoPushes) {
   std::mt19937_64 random(11);
   std::normal_distribution<double> normal;
