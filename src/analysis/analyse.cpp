@@ -322,12 +322,22 @@ std::vector<Beat> levelled_beats(std::span<const Beat> good, const ImpulseCycle&
 
 } // namespace
 
+// Readings of a clock are few, and each stands for a day of beats.
+static DiaryOptions diary_options(const NumberedLog& loaded) {
+  constexpr std::size_t least_window = 5, windows_in_a_log = 8;
+  DiaryOptions options;
+  if (loaded.nominal_period_s > longest_swing_s)
+    options.window =
+        std::clamp(loaded.good.size() / windows_in_a_log, least_window, options.window);
+  return options;
+}
+
 Diary diary_of(const NumberedLog& loaded, const TimingData& times) {
   if (rounding_explains(times)) return {};
   const std::vector<Beat> even =
       times.impulses ? levelled_beats(loaded.good, *times.impulses) : std::vector<Beat>{};
   const std::span<const Beat> good = times.impulses ? std::span<const Beat>(even) : loaded.good;
-  Diary diary = keep_diary(good, loaded.nominal_period_s);
+  Diary diary = keep_diary(good, loaded.nominal_period_s, diary_options(loaded));
   std::optional<TimingData> levelled; // no copy of a long log in which nothing is to be levelled
   if (!diary.interruptions.empty()) level_interruptions(diary, levelled.emplace(times));
   const TimingData& seen = levelled ? *levelled : times;

@@ -6,6 +6,7 @@
 #include "impulse_words.hpp"
 #include "logbook_words.hpp"
 #include "model_words.hpp"
+#include "moving_rate.hpp"
 #include "part_words.hpp"
 #include "wording.hpp"
 
@@ -130,6 +131,8 @@ private:
   void say_how_it_comes_to_rest();
   [[nodiscard]] std::string going() const;
   [[nodiscard]] std::string interruption(const Interruption& event) const;
+  [[nodiscard]] std::string trend_of_few_beats() const;
+  [[nodiscard]] std::string trend(bool told_a_change) const;
   [[nodiscard]] std::string whether_worse() const;
   [[nodiscard]] std::string changes() const;
   [[nodiscard]] std::string when_it_changed() const;
@@ -284,31 +287,36 @@ std::string Sentences::out_of_beat() const {
                      data_.log.sound ? "" : ", or the sensor is off the vertical");
 }
 
-// Trends are judged only in logs that are long enough.
+// What a log tells whose beats are too few to judge trends and their causes.
+std::string Sentences::trend_of_few_beats() const {
+  if (const std::string moving = moving_rate(data_, words_); changes_.empty() && !moving.empty())
+    return moving;
+  return fmt::format("the log is too short, with {} {}, to tell whether it is getting worse",
+                     data_.beats.size(),
+                     event_word(has_no_period(data_.log), data_.rate.nominal_period_s));
+}
+
+std::string Sentences::trend(bool told_a_change) const {
+  if (data_.beats.size() < least_diagnosed_beats) return trend_of_few_beats();
+  if (!suspicions_.empty() && is_drift(suspicions_.front().cause))
+    return "the rate has moved in one direction throughout this log";
+  if (has(is_drift)) return "besides, the rate has drifted through this log";
+  if (has([](Cause cause) { return cause == Cause::slow_drive || cause == Cause::unknown; }))
+    return "the rate is not steady, but shows no trend through the log";
+  if (suspicions_.empty() && !stop_is_told(data_) && out_of_beat().empty())
+    return changes_.empty() && data_.diary.interruptions.empty()
+               ? "nothing in this log shows that anything is wrong with the clock, or that it is "
+                 "getting worse"
+               : "apart from that, nothing shows that anything is wrong with the clock, or that it "
+                 "is getting worse";
+  return told_a_change ? "no other trend shows in this log"
+                       : "nothing in this log shows that the clock is getting worse";
+}
+
 std::string Sentences::whether_worse() const {
   const std::string told = changes();
-  std::string trend;
-  if (data_.beats.size() < least_diagnosed_beats)
-    trend = fmt::format("the log is too short, with {} {}, to tell whether it is getting worse",
-                        data_.beats.size(),
-                        event_word(has_no_period(data_.log), data_.rate.nominal_period_s));
-  else if (!suspicions_.empty() && is_drift(suspicions_.front().cause))
-    trend = "the rate has moved in one direction throughout this log";
-  else if (has(is_drift))
-    trend = "besides, the rate has drifted through this log";
-  else if (has([](Cause cause) { return cause == Cause::slow_drive || cause == Cause::unknown; }))
-    trend = "the rate is not steady, but shows no trend through the log";
-  else if (suspicions_.empty() && !stop_is_told(data_) && out_of_beat().empty())
-    trend =
-        changes_.empty() && data_.diary.interruptions.empty()
-            ? "nothing in this log shows that anything is wrong with the clock, or that it is "
-              "getting worse"
-            : "apart from that, nothing shows that anything is wrong with the clock, or that it "
-              "is getting worse";
-  else
-    trend = told.empty() ? "nothing in this log shows that the clock is getting worse"
-                         : "no other trend shows in this log";
-  return capitalised(told.empty() ? trend : told + "; " + trend) + ".";
+  const std::string besides = trend(!told.empty());
+  return capitalised(told.empty() ? besides : told + "; " + besides) + ".";
 }
 
 // Only one cause can be the most likely: later sentences lose the superlative.

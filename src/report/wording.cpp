@@ -152,6 +152,8 @@ Wording::Wording(const Analysis& data)
   if (data.beats.empty()) return;
   first_ = data.beats.front().time;
   is_dated_ = may_be_date(first_);
+  constexpr double least_spacing_s = 20.0 * 3600.0; // of readings that are told by their day
+  if (data.rate.nominal_period_s > least_spacing_s) spacing_s_ = data.rate.nominal_period_s;
 }
 
 std::string Wording::rate(double rate_excess, double sigma) const {
@@ -185,8 +187,13 @@ std::string Wording::time_since(double at_s) const {
   return fmt::format("{} {}", with_sigma(moment_.factor * at_s, 0.0, 4), moment_.name);
 }
 
+std::string Wording::day(double at_s) const {
+  return date_and_time(first_ + spacing_s_ * std::round(at_s / spacing_s_)).date;
+}
+
 std::string Wording::moment(double at_s) const {
   if (!is_dated_) return time_since(at_s) + " after the first beat";
+  if (spacing_s_ > 0.0) return "on " + day(at_s);
   const auto [date, time] = date_and_time(first_ + at_s);
   return "on " + date + " at " + time;
 }
@@ -199,6 +206,7 @@ std::string Wording::moments(double first_s, double second_s) const {
 std::string Wording::span(double from_s, double to_s) const {
   if (!is_dated_)
     return fmt::format("{} to {} after the first beat", short_moment(from_s), short_moment(to_s));
+  if (spacing_s_ > 0.0) return fmt::format("{} to {}", day(from_s), day(to_s));
   const auto [first_date, begin] = date_and_time(first_ + from_s);
   const auto [last_date, end] = date_and_time(first_ + to_s);
   return fmt::format("{} {} to {}", first_date, begin,
@@ -207,6 +215,7 @@ std::string Wording::span(double from_s, double to_s) const {
 
 std::string Wording::short_moment(double at_s) const {
   if (!is_dated_) return time_since(at_s);
+  if (spacing_s_ > 0.0) return day(at_s);
   const auto [date, time] = date_and_time(first_ + at_s);
   return date + " " + time;
 }

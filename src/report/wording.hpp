@@ -57,7 +57,8 @@ public:
   [[nodiscard]] std::string angle(double rad, double sigma) const;
   /// "924 s", "11.1 h".
   [[nodiscard]] std::string duration(double seconds) const;
-  /// "300 s after the first beat", or "on 2013-03-31 at 00:03:30" where the log's times are dates.
+  /// "300 s after the first beat", or "on 2013-03-31 at 00:03:30" where the log's times are dates; of
+  /// readings a day apart the day alone.
   [[nodiscard]] std::string moment(double at_s) const;
   /// "300 s and 900 s after the first beat", or "on 2013-03-31 at 00:03:30 and on ...".
   [[nodiscard]] std::string moments(double first_s, double second_s) const;
@@ -70,10 +71,13 @@ public:
 
 private:
   [[nodiscard]] std::string time_since(double at_s) const;
+  // The date of the reading nearest to that moment.
+  [[nodiscard]] std::string day(double at_s) const;
 
   DisplayUnit rate_, angle_, duration_, moment_;
   Instant first_;
   bool is_dated_ = false, is_read_ = false;
+  double spacing_s_ = 0.0; // of readings a day or more apart, else 0
 };
 
 /// The text with its first letter as a capital.

@@ -173,6 +173,27 @@ TEST(AnalyseTest, HandsThatAreSetAreTold) {
   EXPECT_NEAR(data.suspicions.front().numbers.size, -120.0, 1.5);
 }
 
+// Two months of daily readings to half a second; the keeper turns the nut on day 30, or does not.
+TEST(AnalyseTest, TwoMonthsOfReadingsTellAChangeOfRegulation) {
+  for (const double change_s : {0.0, -6.0})
+    for (const std::uint64_t seed : {61, 62, 63, 64}) {
+      RandomStream random(seed, StreamPurpose::jitter);
+      std::string text = "Date,Error (s)\n";
+      for (int day = 0; day < 60; ++day)
+        text += fmt::format("2024-{:02}-{:02},{:+.2f}\n", 4 + day / 30, 1 + day % 30,
+                            8.0 * day + change_s * std::max(0, day - 30) + 0.5 * random.normal());
+      LoadRequest request;
+      request.path = "daily";
+      const Analysis data = analyse(load_text(text, request));
+      ASSERT_EQ(data.diary.changes.size(), change_s == 0.0 ? 0u : 1u) << seed;
+      if (change_s == 0.0) continue;
+      EXPECT_NEAR(data.diary.changes.front().at_s, 30.0 * 86400.0, 1.5 * 86400.0) << seed;
+      EXPECT_NEAR(data.now.rate.rate_excess * 86400.0, 2.0,
+                  3.0 * data.now.rate.rate_excess_sigma * 86400.0)
+          << seed;
+    }
+}
+
 TEST(AnalyseTest, TheNutIsForTheRateOfTheEndOfTheLog) {
   LoadRequest log;
   log.path = GOINGRATE_SOURCE_DIR "/data/logs/jump.csv";

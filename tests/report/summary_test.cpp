@@ -269,6 +269,28 @@ TEST(SummaryTest, AShortLogIsNotJudged) {
   EXPECT_EQ(text.find("Nothing is wrong"), std::string::npos) << text;
 }
 
+// Daily readings, some of a steady clock and some of one whose rate falls from -1 to -13 s/day.
+TEST(SummaryTest, FewReadingsTellARateThatMoves) {
+  for (const double fall_s : {0.0, 0.1}) {
+    std::vector<Beat> readings;
+    double late_s = 0.0;
+    for (int day = 0; day < 120; ++day) {
+      late_s += 1.0 + fall_s * day;
+      const double error_s = 0.1 * ((7 * day) % 5); // of reading the dial
+      readings.push_back(event_at(Instant::from_seconds(86400.0 * day + late_s + error_s)));
+      readings.back().cycle = day;
+    }
+    Analysis data = quiet_report();
+    data.beats = readings;
+    data.rate = summarise_rates(readings, 86400.0);
+    data.stretches = rates_between(readings, {}, 86400.0);
+    data.now = data.stretches.back();
+    const std::string text = all_of(report_sentences(data));
+    EXPECT_EQ(text.find("has moved in one direction") != std::string::npos, fall_s > 0.0) << text;
+    EXPECT_EQ(text.find("too short") != std::string::npos, fall_s == 0.0) << text;
+  }
+}
+
 TEST(SummaryTest, AChangeHasItsRatesBeforeAndAfter) {
   Analysis data = with_one_change(ChangeKind::drive);
   Suspicion drive{Cause::drive_step, 50.0, "evidence", {Cause::friction_step}, "Was it wound?"};
