@@ -305,6 +305,15 @@ ClockParameters with_logged_drive(ClockParameters clock, std::span<const Beat> b
   return clock;
 }
 
+// Over missed beats the rate is a mean of several periods, in which jitter looks like fast noise of
+// the drive; a fit sees every beat by itself. With less than this missed it hardly shows.
+constexpr double most_missed = 0.05;
+
+double share_of_missed(std::span<const Beat> beats) {
+  const auto cycles = static_cast<double>(beats.back().cycle - beats.front().cycle);
+  return 1.0 - static_cast<double>(beats.size() - 1) / cycles;
+}
+
 } // namespace
 
 DriveAnalysis analyse_drive(std::span<const Beat> beats, double nominal_period_s,
@@ -345,6 +354,7 @@ DriveAnalysis analyse_drive(std::span<const Beat> beats, double nominal_period_s
   // The drive is the rate divided by the gain: a gain that may be zero does not give its size.
   if (!(std::max(fast_gain_sigma, slow_gain_sigma) < 1.0)) drive.split.reset();
   if (!drive.split) return drive;
+  if (!fit.model.drive && share_of_missed(beats) > most_missed) split.fast.low68 = 0.0;
   split.fast = widened(split.fast, fast_gain_sigma);
   split.slow = widened(split.slow, slow_gain_sigma);
   return drive;

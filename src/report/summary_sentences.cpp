@@ -344,18 +344,21 @@ bool Sentences::escapement_angle_changed(double at_s) const {
 void Sentences::say_what_it_suffers_from() {
   if (suspicions_.empty()) return;
   const Suspicion& first = suspicions_.front();
-  const bool told =
-      changes_.size() == 1 && is_step(first.cause) &&
-      std::abs(first.numbers.at_s - changes_.front()->at_s) < dating_share * data_.rate.duration_s;
+  const auto is_told = [&](const Suspicion& step) {
+    return changes_.size() == 1 && is_step(step.cause) &&
+           std::abs(step.numbers.at_s - changes_.front()->at_s) <
+               dating_share * data_.rate.duration_s;
+  };
   const std::string advice = first.advice.empty() ? "" : " " + first.advice;
   const std::string_view drive = escapement_angle_changed(first.numbers.at_s)
                                      ? "the angle at which the escapement acts"
                                      : driving_force;
-  say(explanation(first, words_, sees_amplitude_, told ? "then" : "", drive) + advice);
+  say(explanation(first, words_, sees_amplitude_, is_told(first) ? "then" : "", drive) + advice);
   const auto other = std::find_if(suspicions_.begin(), suspicions_.end(),
                                   [&](const Suspicion& s) { return s.cause != first.cause; });
   if (other != suspicions_.end())
-    say(less_likely(explanation(*other, words_, sees_amplitude_)),
+    say(less_likely(explanation(*other, words_, sees_amplitude_,
+                                is_told(*other) ? "when the rate did" : "")),
         is_step(other->cause) ? Weight::dated_cause : Weight::second_cause);
 }
 

@@ -188,7 +188,8 @@ std::string Wording::time_since(double at_s) const {
 }
 
 std::string Wording::day(double at_s) const {
-  return date_and_time(first_ + spacing_s_ * std::round(at_s / spacing_s_)).date;
+  constexpr double clock_error_s = 300.0; // by which a reading at midnight may come before it
+  return date_and_time(first_ + (spacing_s_ * std::round(at_s / spacing_s_) + clock_error_s)).date;
 }
 
 std::string Wording::moment(double at_s) const {

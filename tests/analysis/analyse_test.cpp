@@ -1,9 +1,11 @@
 #include "goingrate/analysis/analyse.hpp"
 
+#include "goingrate/analysis/simulated_logs.hpp"
 #include "goingrate/base/random.hpp"
 #include "support/changed_in_a_swing.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -171,6 +173,23 @@ TEST(AnalyseTest, HandsThatAreSetAreTold) {
   ASSERT_EQ(data.suspicions.size(), 1u);
   EXPECT_EQ(data.suspicions.front().cause, Cause::sensor_shift);
   EXPECT_NEAR(data.suspicions.front().numbers.size, -120.0, 1.5);
+}
+
+// The drive of this clock jumps and has no noise; of the beats two in five are missing.
+TEST(AnalyseTest, MissedBeatsAreNoNoiseOfTheDrive) {
+  const Scenario scenario = parse_scenario(R"(
+    clock = {nominal_period = 2.0, epsilon = 2.5e-4, mu = 2e-5, phi0 = 0.03}
+    run = {periods = 2000}
+    event = [{at_period = 150, mu = 4e-5}]
+    sensor = {jitter_rms = 1e-5, missed = 0.4})",
+                                           "jump");
+  for (const std::uint64_t seed : {21u, 22u}) {
+    const Analysis data =
+        analyse(load_text(SimulatedLogs(scenario).make(std::array{seed}).front().text, {}),
+                without_profiles());
+    ASSERT_TRUE(data.drive.split) << seed;
+    EXPECT_EQ(data.drive.split->fast.low68, 0.0) << seed;
+  }
 }
 
 // Two months of daily readings to half a second; the keeper turns the nut on day 30, or does not.
