@@ -121,9 +121,8 @@ void add_log_settings(CLI::App& command, LogOptions& options) {
       .add_option("--gravity-share", options.gravity_share,
                   "share of gravity in the restoring torque; the rest is a spring's. 1: a "
                   "pendulum, 0: torsion. Used for the circular error, for amplitudes from "
-                  "--flag-width and in the fit")
-      ->check(CLI::Range(-10.0, 1.5))
-      ->capture_default_str();
+                  "--flag-width and in the fit. Without it: as the log states it, or 1")
+      ->check(CLI::Range(-10.0, 1.5));
   auto* place = command.add_option(
       "--sensor-offset", options.sensor_offset,
       "angle (rad) of the sensor from the vertical: the times are moved to the vertical, and the "

@@ -27,7 +27,7 @@ struct LogOptions {
   std::string format;
   double nominal_period_s = 0.0; ///< 0: not given
   double flag_width_rad = 0.0;
-  double gravity_share = 1.0;
+  std::optional<double> gravity_share;
   double gap_probability = NumberingOptions{}.least_probability;
   bool both_edges = false;
   std::string sensor_offset;        ///< rad, or auto

@@ -43,7 +43,7 @@ class Writer {
 public:
   Writer(const Scenario& scenario, const Period& start, std::uint64_t seed,
          const std::string& log_path, const std::string& truth_path)
-      : columns_(native_columns(scenario.sensor, scenario.clock.nominal_period_s)),
+      : columns_(native_columns(scenario.sensor, scenario.clock)),
         sensor_(scenario, seed) {
     files_.emplace_back(log_path);
     files_.emplace_back(truth_path);

@@ -66,6 +66,8 @@ void ClockWatch::describe(const HeardEvent& event, const ClockLog& log) {
   columns_.flag_width_rad = options_.log.flag_width_rad > 0.0
                                 ? std::optional(options_.log.flag_width_rad)
                                 : log.flag_width_rad;
+  columns_.gravity_share =
+      options_.log.gravity_share ? options_.log.gravity_share : log.gravity_share;
   archive_.describe(columns_);
 }
 
@@ -116,7 +118,8 @@ HeardEvent ClockWatch::completed(HeardEvent event, const ClockLog& log) {
   const double period_s = log_.nominal_period_s.value_or(nominal_period_s());
   if (std::isnan(event.amplitude_rad) && flag_rad > 0.0 && period_s > 0.0)
     event.amplitude_rad =
-        amplitude_from_width(event.values.width_s, flag_rad, period_s, asked.gravity_share);
+        amplitude_from_width(event.values.width_s, flag_rad, period_s,
+                             asked.gravity_share.value_or(log.gravity_share.value_or(1.0)));
   return event;
 }
 

@@ -25,7 +25,8 @@ class Loading {
 public:
   Loading(ClockLog log, const LoadRequest& request) : request_(request) {
     loaded_.log = std::move(log);
-    loaded_.sensor.gravity_share = request.gravity_share;
+    loaded_.sensor.gravity_share =
+        request.gravity_share.value_or(loaded_.log.gravity_share.value_or(1.0));
   }
 
   NumberedLog run() {
@@ -258,12 +259,13 @@ private:
       assume("the widths in the log give no amplitudes: the width of the flag itself is not known",
              Setting::flag_width);
     if (widths && width > 0.0) {
+      const double share = loaded_.sensor.gravity_share;
       log.events = std::move(loaded_.beats.beats);
       const double period_s =
           log.nominal_period_s
               ? *log.nominal_period_s
-              : small_swing_period(log, width, loaded_.nominal_period_s, request_.gravity_share);
-      set_amplitudes_from_widths(log, width, period_s, request_.gravity_share);
+              : small_swing_period(log, width, loaded_.nominal_period_s, share);
+      set_amplitudes_from_widths(log, width, period_s, share);
       correct_widths_for_friction(log, width, period_s);
       loaded_.beats.beats = std::move(log.events);
     } else if (width > 0.0 && !log.has_amplitude) {

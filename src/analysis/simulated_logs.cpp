@@ -91,7 +91,7 @@ void add_noise(const Scenario& scenario, Truth& truth) {
 } // namespace
 
 std::vector<SimulatedLog> SimulatedLogs::make(std::span<const std::uint64_t> seeds) {
-  const NativeColumns columns = native_columns(scenario_.sensor, scenario_.clock.nominal_period_s);
+  const NativeColumns columns = native_columns(scenario_.sensor, scenario_.clock);
   std::vector<Sensor> sensors;
   sensors.reserve(seeds.size());
   for (const std::uint64_t seed : seeds) {

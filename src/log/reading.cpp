@@ -44,6 +44,7 @@ std::optional<Site> stated_site(const LogHead& head) {
 void settle_nominal_period(ClockLog& log, const LogHead& head, const Layout& layout,
                            const ReadingOptions& options) {
   log.flag_width_rad = stated(head, "flag_width_rad", 0.0, 1.0);
+  log.gravity_share = stated(head, "gravity_share", -10.0, 1.5);
   log.site = stated_site(head);
   if (layout.find(ColumnRole::phase) || layout.find(ColumnRole::frequency)) {
     log.nominal_period_s = layout.tau0_s;

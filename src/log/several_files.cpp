@@ -80,6 +80,7 @@ private:
     log_.directions_are_open = said.directions_are_open;
     log_.nominal_period_s = said.nominal_period_s;
     log_.flag_width_rad = said.flag_width_rad;
+    log_.gravity_share = said.gravity_share;
     log_.assumptions = said.assumptions;
     layout_ = layout;
     rows_.emplace(layout_, options_, log_);
@@ -132,6 +133,7 @@ private:
     };
     refuse_if_other(part.said.nominal_period_s, log_.nominal_period_s, "a nominal period (s)");
     refuse_if_other(part.said.flag_width_rad, log_.flag_width_rad, "a flag's width (rad)");
+    refuse_if_other(part.said.gravity_share, log_.gravity_share, "a share of gravity");
   }
 
   // A column that this file does not have is unknown in it.

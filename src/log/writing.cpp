@@ -9,14 +9,15 @@
 
 namespace goingrate {
 
-NativeColumns native_columns(const SensorSettings& sensor, double nominal_period_s) {
+NativeColumns native_columns(const SensorSettings& sensor, const ClockParameters& clock) {
   NativeColumns columns;
   columns.edge = sensor.edges != SensorEdges::up;
   columns.width = sensor.edges == SensorEdges::gate;
   columns.amplitude = sensor.amplitude_rms.has_value();
   columns.temperature = sensor.temperature_rms.has_value();
   columns.decimals = decimals_for(sensor);
-  columns.nominal_period_s = nominal_period_s;
+  columns.nominal_period_s = clock.nominal_period_s;
+  if (clock.gravity_share != 1.0) columns.gravity_share = clock.gravity_share;
   if (sensor.flag_width_rad > 0.0) columns.flag_width_rad = sensor.flag_width_rad;
   return columns;
 }
@@ -28,6 +29,8 @@ std::string native_log_header(const NativeColumns& columns) {
     fmt::format_to(out, "# nominal_period_s: {}\n", *columns.nominal_period_s);
   if (columns.flag_width_rad)
     fmt::format_to(out, "# flag_width_rad: {}\n", *columns.flag_width_rad);
+  if (columns.gravity_share)
+    fmt::format_to(out, "# gravity_share: {}\n", *columns.gravity_share);
   text += "time_s";
   if (columns.edge) text += ",edge";
   if (columns.width) text += ",width_s";
@@ -108,6 +111,7 @@ std::string native_log_text(const ClockLog& log, int decimals) {
   columns.decimals = decimals;
   columns.nominal_period_s = log.nominal_period_s;
   columns.flag_width_rad = log.flag_width_rad;
+  columns.gravity_share = log.gravity_share;
   std::string text = native_log_header(columns);
   for (std::size_t i = 0; i < log.events.size(); ++i) {
     EventValues values;

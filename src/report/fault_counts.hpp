@@ -8,9 +8,10 @@
 
 namespace goingrate {
 
-/// "3 missed, 0 spurious", bounces where there are any, and of a log of both directions also the
-/// downward passages that are missing. Of a log that is split they are those of its longest part,
-/// which alone is analysed.
+/// "3 missed, 0 spurious", bounces and displaced beats where there are any, and of a log of both
+/// directions also the downward passages that are missing. A displaced beat comes too early or too
+/// late to be used, and alone in its period; it counts neither as missed nor as spurious. Of a log
+/// that is split they are those of its longest part, which alone is analysed.
 std::string fault_counts(const Beats& beats);
 
 /// What the events of a log are: "values" where they have no period, "readings" where they are

@@ -2,6 +2,8 @@
 #include "goingrate/analysis/analyse.hpp"
 #include "goingrate/analysis/load.hpp"
 
+#include "goingrate/analysis/simulated_logs.hpp"
+
 #include "goingrate/base/errors.hpp"
 #include "goingrate/base/random.hpp"
 #include "goingrate/log/rates.hpp"
@@ -356,6 +358,18 @@ TEST(LoadTest, NoPendulumIsFittedToWhatIsNoSwing) {
   request.reading.format = LogFormat::phase;
   const NumberedLog phases = load_text("0.001\n0.002\n0.0025\n0.003\n", request);
   EXPECT_EQ(fit_clock(fit_data(phases), 1.0, {}).status, FitStatus::no_valid_model);
+}
+
+// A simulated torsion clock says what it is; a request has the last word.
+TEST(LoadTest, ALogStatesItsShareOfGravity) {
+  Scenario scenario;
+  scenario.clock.gravity_share = 0.25;
+  scenario.periods = 20;
+  const std::string text = SimulatedLogs(scenario).make(std::array{std::uint64_t{5}}).front().text;
+  EXPECT_EQ(load_text(text, {}).sensor.gravity_share, 0.25);
+  LoadRequest request;
+  request.gravity_share = 1.0;
+  EXPECT_EQ(load_text(text, request).sensor.gravity_share, 1.0);
 }
 
 } // namespace

@@ -151,6 +151,17 @@ TEST(TextTest, BouncesAreCountedWhereThereAreAny) {
       << first_line();
 }
 
+// One beat 0.3 s late, and one that is missing while something else is seen half a period off.
+TEST(TextTest, ABeatOutOfItsTimeIsDisplaced) {
+  Beats beats;
+  beats.beats = {beat(0, 0.0), beat(0, 2.3, BeatFlag::spurious), beat(2, 4.0),
+                 beat(3, 6.0), beat(3, 9.0, BeatFlag::spurious), beat(5, 10.0)};
+  beats.missed = 2;
+  beats.spurious = 2;
+  const std::string text = rate_text(beats, RateSummary{}, SensorFindings{});
+  EXPECT_NE(text.find("; 1 missed, 1 spurious, 1 displaced, 1 segment"), text.npos) << text;
+}
+
 TEST(TextTest, FaultsOfALogThatIsSplitAreThoseOfThePartThatIsAnalysed) {
   Beats beats;
   beats.beats = {beat(0, 0.0),

@@ -31,7 +31,7 @@ GOINGRATE_MEMBERS(MeanBeat, begin_s, step_s, rise_s, power)
 GOINGRATE_MEMBERS(SoundFindings, rate_hz, duration_s, drowned, has_tocks, has_pps, tick, tock)
 GOINGRATE_MEMBERS(Site, latitude_deg, longitude_deg)
 GOINGRATE_MEMBERS(ClockLog, source, files, format, events, grid, columns, origin, site, zone_s, weather,
-                  sound, time_base_sigma, has_amplitude, directions_are_open, nominal_period_s, flag_width_rad, assumptions, issues)
+                  sound, time_base_sigma, has_amplitude, directions_are_open, nominal_period_s, flag_width_rad, gravity_share, assumptions, issues)
 GOINGRATE_MEMBERS(Gap, after_cycle, length, probability, bridged, kind)
 GOINGRATE_MEMBERS(Beats, beats, gaps, typical_period_s, scatter_s, step, missed, spurious, rivals,
                   bounces, segments, longest_countable_gap)

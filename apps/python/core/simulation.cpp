@@ -41,7 +41,7 @@ Simulated simulated(const Scenario& scenario, std::uint64_t seed) {
   constexpr std::int64_t periods_per_pulse = 1024; // between two checks for Ctrl-C
   ClockRun run(scenario, seed);
   Sensor sensor(scenario, seed);
-  const NativeColumns columns = native_columns(scenario.sensor, scenario.clock.nominal_period_s);
+  const NativeColumns columns = native_columns(scenario.sensor, scenario.clock);
   Simulated result;
   result.text = native_log_header(columns);
   const auto write = [&](bool at_end) {

@@ -26,7 +26,8 @@ struct LoadRequest {
   std::optional<double> flag_width_rad{}; ///< as seen from the pivot
   std::optional<double> sensor_offset_rad{};
   bool find_sensor_offset = false;
-  double gravity_share = 1.0; ///< of the restoring torque, see clock/restoring.hpp; -10 to 1.5
+  /// Of the restoring torque, see clock/restoring.hpp; -10 to 1.5. None: as the log states it, or 1.
+  std::optional<double> gravity_share{};
   double gap_probability = NumberingOptions{}.least_probability;
   bool phases_will_do =
       false; ///< data on a grid are accepted as they are, also if they are not a clock's, and no

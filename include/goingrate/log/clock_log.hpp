@@ -189,6 +189,7 @@ struct ClockLog {
   bool directions_are_open = false; ///< the log does not say in which direction its crossings are
   std::optional<double> nominal_period_s; ///< if the log states one
   std::optional<double> flag_width_rad;   ///< the same
+  std::optional<double> gravity_share;    ///< of the restoring torque, the same
   std::vector<Assumption> assumptions;
   std::vector<LineIssue> issues;
 

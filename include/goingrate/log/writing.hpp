@@ -20,10 +20,11 @@ struct NativeColumns {
   int decimals = 9; ///< of times and widths
   std::optional<double> nominal_period_s{};
   std::optional<double> flag_width_rad{};
+  std::optional<double> gravity_share{}; ///< of the restoring torque; none: 1
 };
 
-/// The columns that a simulated sensor fills.
-NativeColumns native_columns(const SensorSettings& sensor, double nominal_period_s);
+/// The columns that a simulated sensor of this clock fills.
+NativeColumns native_columns(const SensorSettings& sensor, const ClockParameters& clock);
 
 /// The native text of a log: '#' header lines, a row of column names (time_s, and edge, width_s,
 /// amplitude_rad, temperature_c, pressure_mbar, humidity_percent where the log has them), one row
