@@ -126,6 +126,8 @@ std::optional<Decay> decay_of(const Fitted& fitted, const FitOptions& options) {
   const double T0 = parameters.find(Quantity::T0)->value(std::span(all->minimum.x));
   decay.q = curve.at(decay.amplitude_rad);
   decay.time_s = curve.at(decay.amplitude_rad, T0 * decay_periods_per_q(decay.amplitude_rad));
+  decay.first = curve.swing(&Span::first);
+  decay.last = curve.swing(&Span::last);
   constexpr int steps = 8; // enough for a smooth curve through them
   for (int k = 0; k <= steps; ++k) {
     const double amplitude = span.at(static_cast<double>(k) / steps);

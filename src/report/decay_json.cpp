@@ -2,6 +2,9 @@
 
 #include "goingrate/fit/decay.hpp"
 
+#include <fmt/format.h>
+#include <utility>
+
 namespace goingrate {
 
 namespace {
@@ -24,6 +27,11 @@ Json decay_object(const Decay& decay) {
   put_estimate("time_s_", decay.time_s, json);
   json["q"] = json_number(decay.q.value);
   put_estimate("q_", decay.q, json);
+  for (const auto& [when, angle] :
+       {std::pair{"first", decay.first}, std::pair{"last", decay.last}}) {
+    json[fmt::format("{}_amplitude_rad", when)] = json_number(angle.rad);
+    json[fmt::format("{}_amplitude_rad_sigma", when)] = json_number(angle.sigma_rad);
+  }
   json["q_at_amplitude"] = Json::array();
   for (const QAtAmplitude& at : decay.q_at_amplitude) {
     Json row{{"amplitude_rad", json_number(at.amplitude_rad)}, {"q", json_number(at.q.value)}};

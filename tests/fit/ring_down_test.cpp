@@ -102,6 +102,30 @@ TEST(RingDownTest, QIsNotThatOfTheLinearPartAlone) {
   EXPECT_EQ(fit.q_factor.value, decay.q.value);
 }
 
+FitSummary free_fit(const Scenario& scenario, std::uint64_t seed) {
+  FitOptions options;
+  options.escapement = Escapement::none;
+  return fit_clock(timing_data(test::simulated_beats(scenario, seed)), 2.0, options);
+}
+
+// A fit may have another law than the best: its swing would fall from and to other amplitudes.
+TEST(RingDownTest, TheSwingFallsAsTheBestLawHasIt) {
+  Scenario scenario = test::ring_down(1000, 1e-4);
+  scenario.clock.epsilon = 0.0;
+  scenario.clock.dry_friction = 6e-5;
+  scenario.start_amplitude = 0.3;
+  const FitSummary fit = free_fit(scenario, 5);
+  ASSERT_TRUE(fit.decay);
+  scenario.sensor.amplitude_rms = 1e-9;
+  const std::vector<Beat> truth = test::simulated_beats(scenario, 5);
+  for (const auto& [found, beat] :
+       {std::pair{fit.decay->first, truth.front()}, std::pair{fit.decay->last, truth.back()}}) {
+    ASSERT_TRUE(std::isfinite(found.rad));
+    EXPECT_NEAR(found.rad, beat.amplitude_rad, 3.0 * found.sigma_rad);
+    EXPECT_LT(found.sigma_rad, 0.1 * found.rad);
+  }
+}
+
 // Times alone show gravity's share and the square of the amplitude as one product, but for what is
 // beyond the circular error of first order; periods grow or fall as the swing dies away.
 TEST(RingDownTest, GravitysShareFromTimesAlone) {
