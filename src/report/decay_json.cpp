@@ -42,13 +42,20 @@ Json decay_object(const Decay& decay) {
   json["friction_is_open"] = decay.law_is_open();
   json["friction_laws"] = Json::array();
   for (const FrictionLaw& law : decay.laws)
-    json["friction_laws"].push_back({{"friction", law.friction},
-                                     {"bic", json_number(law.bic)},
-                                     {"behind", json_number(law.behind)},
-                                     {"T0_s", json_number(law.T0_s)},
-                                     {"T0_s_sigma", json_number(law.T0_sigma_s)},
-                                     {"lambda0", json_number(law.lambda0)},
-                                     {"lambda0_sigma", json_number(law.lambda0_sigma)}});
+    json["friction_laws"].push_back(
+        {{"friction", law.friction},
+         {"bic", json_number(law.bic)},
+         {"behind", json_number(law.behind)},
+         {"T0_s", json_number(law.T0_s)},
+         {"T0_s_sigma", json_number(law.T0_sigma_s)},
+         {"lambda0", json_number(law.lambda0)},
+         {"lambda0_sigma", json_number(law.lambda0_sigma)},
+         {"epsilon", json_number(law.epsilon)},
+         {"epsilon_sigma", json_number(law.epsilon_sigma)},
+         {"quadratic_drag", json_number(law.quadratic_drag)},
+         {"quadratic_drag_sigma", json_number(law.quadratic_drag_sigma)},
+         {"dry_friction", json_number(law.dry_friction)},
+         {"dry_friction_sigma", json_number(law.dry_friction_sigma)}});
   return json;
 }
 

@@ -34,6 +34,10 @@ struct FrictionLaw {
   double behind = 0.0; ///< its BIC less that of the best; 0 for the best
   /// The other parameters under this law; NaN if they are held or the law is not open.
   double T0_s = 0.0, T0_sigma_s = 0.0, lambda0 = 0.0, lambda0_sigma = 0.0;
+  /// Its terms of friction, as the fit has them; 0 ± 0 for one that this law does not have, NaN if
+  /// the law is not open.
+  double epsilon = 0.0, epsilon_sigma = 0.0, quadratic_drag = 0.0, quadratic_drag_sigma = 0.0,
+         dry_friction = 0.0, dry_friction_sigma = 0.0;
 
   /// The difference of BIC that excludes a law: odds of 20 to 1.
   static constexpr double decisive = 6.0;
