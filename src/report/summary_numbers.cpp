@@ -278,9 +278,9 @@ void Numbers::add_isochronism() {
 std::string Numbers::deviation(const DeviationRow& row) const {
   const double sigma =
       row.interval ? 0.5 * (row.high - row.low) : std::numeric_limits<double>::quiet_NaN();
-  const double factor = words_.rate_unit().factor;
-  return fmt::format("{} {}", with_sigma(factor * row.value, factor * sigma, 4),
-                     words_.rate_unit().name);
+  const DisplayUnit& unit = words_.deviation_unit();
+  return fmt::format("{} {}", with_sigma(unit.factor * row.value, unit.factor * sigma, 4),
+                     unit.name);
 }
 
 // The longest averaging times rest on one or two differences, so the least deviation is looked for

@@ -530,6 +530,16 @@ TEST(SummaryTest, TheTableHasOneUnitForAQuantity) {
     EXPECT_LE(characters(line), 80U) << line;
 }
 
+// Those of neighbouring beats exceed the rate of a clock that goes well by far.
+TEST(SummaryTest, AnAllanDeviationHasAUnitOfItsSize) {
+  Analysis data = some_report();
+  data.deviation.rows[0] = {3.0, 1, 498, 4.262e-4, 4.152e-4, 4.372e-4, 2, true}; // 36.8 s/day
+  EXPECT_EQ(value_of(data, "Allan deviation over τ = 3 s"), "36.82 ± 0.95 s/day");
+  EXPECT_EQ(value_of(data, "  least, over τ = 6 s"), "0.1728 s/day");
+  EXPECT_NE(value_of(data, "rate over the whole log, end to end").find(" ms/day"),
+            std::string::npos);
+}
+
 TEST(SummaryTest, TheQOfARingDownIsNotThatOfLinearFrictionAlone) {
   Analysis data = some_report();
   data.fit.decay.emplace();
