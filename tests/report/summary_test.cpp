@@ -540,6 +540,19 @@ TEST(SummaryTest, AnAllanDeviationHasAUnitOfItsSize) {
             std::string::npos);
 }
 
+TEST(SummaryTest, AQAfterAChangeOfFrictionNamesIt) {
+  Analysis data = some_report();
+  EXPECT_NE(value_of(data, "quality factor of that friction, Q = 1/2ε"), "");
+  FittedParameter later = *data.fit.find("epsilon");
+  later.name = "epsilon@1";
+  data.fit.parameters.push_back(later);
+  data.fit.events = {{100, {"epsilon"}}};
+  EXPECT_EQ(value_of(data, "quality factor of that friction, Q = 1/2ε"), "");
+  EXPECT_EQ(value_of(data, "quality factor Q = 1/2ε of the friction ε from 2013-04-01 00:05:03 on"),
+            "6250 ± 80")
+      << report_text(data);
+}
+
 TEST(SummaryTest, TheQOfARingDownIsNotThatOfLinearFrictionAlone) {
   Analysis data = some_report();
   data.fit.decay.emplace();
