@@ -309,7 +309,9 @@ Suspicion suspicion_of(const Change& change) {
           fmt::format("{} after the start the rate changes by {}, as in the fitted model",
                       time_words(change.at_s, 4), daily(step.rate)),
           same_course_as(change.kind),
-          "What was done to the clock then?",
+          change.kind == ChangeKind::friction && change.amplitude_slope_change < 0.0
+              ? advice_on_grown_friction()
+              : "What was done to the clock then?",
           numbers};
 }
 

@@ -98,6 +98,11 @@ std::string evidence_of(const Candidate& found, bool sees_amplitude) {
   }
 }
 
+std::string advice_on_grown_friction() {
+  return "What was done to the clock then? If nothing was, clean and oil it, and look for what "
+         "rubs.";
+}
+
 std::string advice_on(Cause cause, bool sees_amplitude, const CauseNumbers& numbers) {
   switch (cause) {
   case Cause::temperature:
@@ -106,8 +111,10 @@ std::string advice_on(Cause cause, bool sees_amplitude, const CauseNumbers& numb
     return sees_amplitude ? "What was done to the clock then?"
                           : "What was done to the clock then? A log of the amplitude would show "
                             "whether the drive changed instead.";
-  case Cause::drive_step:
   case Cause::friction_step:
+    if (numbers.amplitude_rad < 0.0) return advice_on_grown_friction();
+    [[fallthrough]];
+  case Cause::drive_step:
     return sees_amplitude ? "Was the clock wound, oiled or touched then?"
                           : "Was the clock wound, oiled or touched then? A log of the amplitude "
                             "would show whether the swing followed.";

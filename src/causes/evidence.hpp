@@ -35,6 +35,7 @@ CauseNumbers numbers_of(const Candidate& found);
 
 /// The evidence in words. `sees_amplitude`: the log has amplitudes.
 std::string evidence_of(const Candidate& found, bool sees_amplitude);
+std::string advice_on_grown_friction();
 /// Advice on what to log or to do about a cause of this size.
 std::string advice_on(Cause cause, bool sees_amplitude, const CauseNumbers& numbers);
 

@@ -18,6 +18,7 @@
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
+#include <array>
 #include <boost/math/distributions/normal.hpp>
 #include <fmt/format.h>
 #include <limits>
@@ -245,40 +246,71 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
     list_twins(fitted, summary);
 }
 
-// T0 under the best law of friction, if the friction terms of the fit leave it open.
-void take_from_best_law(const Decay& decay, FittedParameter& T0) {
-  if (decay.laws.empty() || !std::isfinite(decay.laws.front().T0_sigma_s)) return;
-  const FrictionLaw& best = decay.laws.front();
-  T0.status = ParameterStatus::free;
-  T0.value = T0.low68 = T0.high68 = T0.low95 = T0.high95 = best.T0_s;
-  T0.sigma = T0.sigma_by_law = best.T0_sigma_s;
+// A parameter under one of the laws of friction.
+struct ByLaw {
+  std::string_view name;
+  double FrictionLaw::*value;
+  double FrictionLaw::*sigma;
+};
+
+constexpr std::array by_law{
+    ByLaw{"T0", &FrictionLaw::T0_s, &FrictionLaw::T0_sigma_s},
+    ByLaw{"lambda0", &FrictionLaw::lambda0, &FrictionLaw::lambda0_sigma},
+    ByLaw{"epsilon", &FrictionLaw::epsilon, &FrictionLaw::epsilon_sigma},
+    ByLaw{"quadratic_drag", &FrictionLaw::quadratic_drag, &FrictionLaw::quadratic_drag_sigma},
+    ByLaw{"dry_friction", &FrictionLaw::dry_friction, &FrictionLaw::dry_friction_sigma}};
+
+void take_from(const FrictionLaw& law, const ByLaw& which, FittedParameter& p) {
+  if (!std::isfinite(law.*which.sigma)) return;
+  p.status = ParameterStatus::free;
+  p.at_bound = false;
+  p.value = law.*which.value;
+  p.sigma = p.sigma_by_law = law.*which.sigma;
+  p.low68 = p.value - p.sigma;
+  p.high68 = p.value + p.sigma;
+  p.low95 = p.value - z95 * p.sigma;
+  p.high95 = p.value + z95 * p.sigma;
 }
 
 // Extends the intervals to contain those under every other law of friction that the log allows.
-void widen_by_laws(const Decay& decay, const std::string& own, double FrictionLaw::*value,
-                   double FrictionLaw::*sigma, FittedParameter& p) {
+void widen_by_laws(const Decay& decay, const std::string& own, const ByLaw& which,
+                   FittedParameter& p) {
   for (const FrictionLaw& law : decay.laws) {
-    if (law.friction == own || !law.is_open() || !std::isfinite(law.*sigma)) continue;
-    p.low68 = std::min(p.low68, law.*value - law.*sigma);
-    p.high68 = std::max(p.high68, law.*value + law.*sigma);
-    p.low95 = std::min(p.low95, law.*value - z95 * law.*sigma);
-    p.high95 = std::max(p.high95, law.*value + z95 * law.*sigma);
+    const double value = law.*which.value, sigma = law.*which.sigma;
+    if (law.friction == own || !law.is_open() || !std::isfinite(sigma)) continue;
+    p.low68 = std::min(p.low68, value - sigma);
+    p.high68 = std::max(p.high68, value + sigma);
+    p.low95 = std::min(p.low95, value - z95 * sigma);
+    p.high95 = std::max(p.high95, value + z95 * sigma);
   }
   p.sigma = std::max(p.sigma, 0.5 * (p.high68 - p.low68));
 }
 
-// The Q and the decay time stated for a free pendulum assume no law of friction. T0 and lambda0 are
-// stated for all laws that remain open.
+// States a parameter for all laws of friction that the log allows. Where the friction terms of the
+// fit leave T0 open, or the log excludes them, it is that of the best law.
+void state_for_open_laws(const Decay& decay, const std::string& own, const ByLaw& which,
+                         FittedParameter& p) {
+  const bool is_period = which.name == "T0";
+  const auto own_law = std::find_if(decay.laws.begin(), decay.laws.end(),
+                                    [&](const auto& law) { return law.friction == own; });
+  const bool is_excluded = own_law != decay.laws.end() && !own_law->is_open();
+  const bool is_left_open = is_period && p.status == ParameterStatus::undetermined;
+  if (!decay.laws.empty() && (is_left_open || (is_excluded && std::isfinite(p.sigma))))
+    take_from(decay.laws.front(), which, p);
+  if (!std::isfinite(p.sigma)) return;
+  widen_by_laws(decay, own, which, p);
+  const bool may_be_zero = p.at_bound && which.name != "lambda0"; // then it has an upper limit
+  const bool is_known = p.value > 0.0 && p.sigma <= largest_relative_sigma * p.value;
+  if (!is_period && !may_be_zero && !is_known) leave_undetermined(p);
+}
+
+// The Q and the decay time stated for a free pendulum assume no law of friction. T0, lambda0 and
+// the terms of friction are stated for all laws that remain open: a law without a term has it at 0.
 void state_decay(const Decay& decay, FitSummary& summary) {
   const std::string own = summary.model.friction();
-  for (FittedParameter& p : summary.parameters) {
-    if (p.name == "T0" && p.status == ParameterStatus::undetermined) take_from_best_law(decay, p);
-    if (!std::isfinite(p.sigma)) continue;
-    if (p.name == "T0") widen_by_laws(decay, own, &FrictionLaw::T0_s, &FrictionLaw::T0_sigma_s, p);
-    if (p.name != "lambda0") continue;
-    widen_by_laws(decay, own, &FrictionLaw::lambda0, &FrictionLaw::lambda0_sigma, p);
-    if (!(p.sigma <= largest_relative_sigma * p.value)) leave_undetermined(p);
-  }
+  for (FittedParameter& p : summary.parameters)
+    for (const ByLaw& which : by_law)
+      if (p.name == which.name) state_for_open_laws(decay, own, which, p);
   const std::string where =
       fmt::format("at {:.4g} rad, whichever law of friction", decay.amplitude_rad);
   summary.q_factor = {"Q", where, "", decay.q.value, decay.q.sigma};

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <fmt/format.h>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -170,15 +171,29 @@ private:
   const Rivals& rivals_;
 };
 
+// The name of the parameter after its last change: a quantity of the clock at the end of the log
+// depends on that.
+std::string last_name_of(Quantity quantity, const Parameters& parameters) {
+  std::string name;
+  for (const Slot& slot : parameters.slots)
+    if (slot.quantity == quantity) name = parameters.name_of(slot);
+  return name;
+}
+
 void state_stationary(const FitProblem& problem, const AtPlace& place, FitSummary& summary) {
   const bool driven = problem.parameters.escapement != Escapement::none;
   const bool linear = !problem.parameters.has(Quantity::quadratic_drag) &&
                       !problem.parameters.has(Quantity::dry_friction);
-  summary.q_factor = place.of_clock("Q", linear ? "1/(2 epsilon)" : "at the stationary amplitude",
-                                    "", [](const FinalClock& c) { return c.q_factor(); });
+  const std::string friction = last_name_of(Quantity::epsilon, problem.parameters),
+                    period = last_name_of(Quantity::T0, problem.parameters);
+  summary.q_factor = place.of_clock(
+      "Q", linear ? fmt::format("1/(2 {})", friction) : "at the stationary amplitude", "",
+      [](const FinalClock& c) { return c.q_factor(); });
   summary.decay_time = place.of_clock(
-      "decay time", linear ? "T0/(2 pi epsilon)" : "T0 Q/pi at the stationary amplitude", "s",
-      [](const FinalClock& c) { return c.T0 * c.q_factor() / std::numbers::pi; });
+      "decay time",
+      linear ? fmt::format("{}/(2 pi {})", period, friction)
+             : fmt::format("{} Q/pi at the stationary amplitude", period),
+      "s", [](const FinalClock& c) { return c.T0 * c.q_factor() / std::numbers::pi; });
   summary.stationary_amplitude =
       place.of_clock("stationary amplitude", "where drive and friction balance", "rad",
                      [](const FinalClock& c) { return std::sqrt(c.amplitude2); });

@@ -18,11 +18,15 @@ std::vector<std::size_t> free_terms(const Parameters& parameters) {
   return terms;
 }
 
-Span amplitudes_of(const Fitted& fitted) {
-  const auto& course = fitted.seen.amplitude_model;
-  const Slot* scale = fitted.problem.parameters.find(Quantity::amplitude_scale);
-  const double shown = scale != nullptr ? scale->value(std::span(fitted.minimum.x)) : 1.0;
+Span amplitudes_of(const Parameters& parameters, std::span<const double> x, const Residuals& seen) {
+  const auto& course = seen.amplitude_model;
+  const Slot* scale = parameters.find(Quantity::amplitude_scale);
+  const double shown = scale != nullptr ? scale->value(x) : 1.0;
   return {course.back() / shown, course.front() / shown};
+}
+
+Span amplitudes_of(const Fitted& fitted) {
+  return amplitudes_of(fitted.problem.parameters, fitted.minimum.x, fitted.seen);
 }
 
 bool correct(FitProblem& problem, FitDynamics dynamics, std::span<const double> x) {

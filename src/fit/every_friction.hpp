@@ -24,6 +24,8 @@ struct Span {
   [[nodiscard]] double at(double part) const { return last * std::pow(first / last, part); }
 };
 Span amplitudes_of(const Fitted& fitted);
+/// The same for the swing that the model has at x, of which `seen` are the residuals.
+Span amplitudes_of(const Parameters& parameters, std::span<const double> x, const Residuals& seen);
 
 /// Adds the correction of the fit's dynamics at x; second order supports linear friction only.
 /// False if the dynamics cannot be run.

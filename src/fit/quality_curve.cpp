@@ -3,6 +3,7 @@
 #include "goingrate/dynamics/swing_loss.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace goingrate::timing_model {
@@ -156,6 +157,29 @@ bool is_straight(const std::array<double, 2>& in68, double best) {
   return in68[1] - in68[0] < 2.0 * straight_relative_sigma * best;
 }
 
+// How the logarithm of the amplitude at one end changes with the coordinates; nullopt where the
+// model does not hold beside the fit.
+std::optional<Eigen::VectorXd> slopes_of_swing(const Fitted& all, double Span::*end) {
+  constexpr double step = 1e-4; // of coordinates that are logarithms or of order one
+  std::vector<double> x = all.minimum.x;
+  const auto log_at = [&]() -> std::optional<double> {
+    const auto seen = residuals(all.problem, x);
+    if (!seen) return {};
+    return std::log(amplitudes_of(all.problem.parameters, x, *seen).*end);
+  };
+  const auto here = log_at();
+  if (!here) return {};
+  Eigen::VectorXd slopes(static_cast<Eigen::Index>(x.size()));
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    x[k] += step; // upwards: friction cannot be below 0
+    const auto there = log_at();
+    x[k] = all.minimum.x[k];
+    if (!there) return {};
+    slopes[static_cast<Eigen::Index>(k)] = (*there - *here) / step;
+  }
+  return slopes;
+}
+
 } // namespace
 
 DecayEstimate nothing_known() { return {unknown, unknown, unknown, unknown, unknown, unknown}; }
@@ -189,6 +213,20 @@ DecayEstimate QualityCurve::at(double amplitude, double factor) const {
   for (double* end : {&in68[0], &in68[1], &in95[0], &in95[1]})
     *end += held;
   return estimate(sum.best() + held, in68, in95, factor);
+}
+
+TurningAngle QualityCurve::swing(double Span::*end) const {
+  const double rad = amplitudes_of(all_).*end;
+  const auto slopes = slopes_of_swing(all_, end);
+  if (!slopes) return {};
+  if (!(slopes->norm() > 0.0)) return {rad, 0.0}; // held
+  const KnownSum log_of_swing(all_, cone_, *slopes);
+  auto in68 = log_of_swing.interval(1.0);
+  if (!is_straight(in68, 1.0)) in68 = log_of_swing.searched(1.0);
+  const double sigma =
+      0.5 * rad *
+      (std::exp(in68[1] - log_of_swing.best()) - std::exp(in68[0] - log_of_swing.best()));
+  return sigma <= largest_relative_sigma * rad ? TurningAngle{rad, sigma} : TurningAngle{};
 }
 
 } // namespace goingrate::timing_model

@@ -19,6 +19,8 @@ public:
   [[nodiscard]] bool holds_by_dynamics(double amplitude) const;
   /// `factor` times Q.
   [[nodiscard]] DecayEstimate at(double amplitude, double factor = 1.0) const;
+  /// The amplitude at one end of the fitted swing.
+  [[nodiscard]] TurningAngle swing(double Span::*end) const;
 
 private:
   // 1/Q = weights . coordinates + held.

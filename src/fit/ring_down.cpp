@@ -10,6 +10,7 @@
 #include <bit>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace goingrate::timing_model {
 
@@ -62,32 +63,46 @@ Known known_by(const Fitted& law, Quantity quantity) {
   return {slot->value(x), law.known.sigma(slot->index) * std::abs(slot->slope(x))};
 }
 
+// The parameters of the pendulum under a law that is open.
+void state_parameters(const Fitted& fit, unsigned chosen, FrictionLaw& law) {
+  const Known T0 = known_by(fit, Quantity::T0), lambda0 = known_by(fit, Quantity::lambda0);
+  law.T0_s = T0.value;
+  law.T0_sigma_s = T0.sigma;
+  law.lambda0 = lambda0.value;
+  law.lambda0_sigma = lambda0.sigma;
+  const std::array sizes{&law.epsilon, &law.quadratic_drag, &law.dry_friction};
+  const std::array sigmas{&law.epsilon_sigma, &law.quadratic_drag_sigma, &law.dry_friction_sigma};
+  for (std::size_t term = 0; term < friction_terms.size(); ++term) {
+    const bool is_in = (chosen >> term & 1U) != 0;
+    const Known size = is_in ? known_by(fit, friction_terms[term]) : Known{0.0, 0.0};
+    *sizes[term] = size.value;
+    *sigmas[term] = size.sigma;
+  }
+}
+
 std::vector<FrictionLaw> laws_of(const Fitted& all) {
   std::vector<FrictionLaw> laws;
   const auto terms = free_terms(all.problem.parameters);
   if (terms.size() < friction_terms.size()) return laws; // some are held
-  std::vector<Fitted> fits;
+  std::vector<std::pair<unsigned, Fitted>> fits;
   constexpr unsigned every = 7;
   double best = infinite;
   for (unsigned chosen = 1; chosen <= every; ++chosen)
     if (Fitted law = with_terms(all, chosen); law.minimum.usable) {
       best = std::min(best, law.bic);
       laws.push_back({name_of_law(chosen), law.bic});
-      fits.push_back(std::move(law));
+      fits.emplace_back(chosen, std::move(law));
     }
   for (std::size_t k = 0; k < laws.size(); ++k) {
     FrictionLaw& law = laws[k];
     law.behind = law.bic - best;
     law.T0_s = law.T0_sigma_s = law.lambda0 = law.lambda0_sigma = unknown;
+    law.epsilon = law.quadratic_drag = law.dry_friction = unknown;
+    law.epsilon_sigma = law.quadratic_drag_sigma = law.dry_friction_sigma = unknown;
     if (!law.is_open()) continue;
-    finish(fits[k]);
-    if (!fits[k].minimum.usable) continue;
-    const Known T0 = known_by(fits[k], Quantity::T0),
-                lambda0 = known_by(fits[k], Quantity::lambda0);
-    law.T0_s = T0.value;
-    law.T0_sigma_s = T0.sigma;
-    law.lambda0 = lambda0.value;
-    law.lambda0_sigma = lambda0.sigma;
+    auto& [chosen, fit] = fits[k];
+    finish(fit);
+    if (fit.minimum.usable) state_parameters(fit, chosen, law);
   }
   std::sort(laws.begin(), laws.end(),
             [](const FrictionLaw& a, const FrictionLaw& b) { return a.bic < b.bic; });
@@ -126,6 +141,8 @@ std::optional<Decay> decay_of(const Fitted& fitted, const FitOptions& options) {
   const double T0 = parameters.find(Quantity::T0)->value(std::span(all->minimum.x));
   decay.q = curve.at(decay.amplitude_rad);
   decay.time_s = curve.at(decay.amplitude_rad, T0 * decay_periods_per_q(decay.amplitude_rad));
+  decay.first = curve.swing(&Span::first);
+  decay.last = curve.swing(&Span::last);
   constexpr int steps = 8; // enough for a smooth curve through them
   for (int k = 0; k <= steps; ++k) {
     const double amplitude = span.at(static_cast<double>(k) / steps);

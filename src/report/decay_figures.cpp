@@ -161,6 +161,7 @@ std::optional<Figure> period_amplitude_figure(const Analysis& data) {
   const double scale = is_scaled ? found->value : 1.0; // from the log's amplitudes to the true ones
   const std::vector<double>& course = data.fit.model_amplitude_rad;
   if (!data.fit.decay || course.size() != data.beats.size()) return std::nullopt;
+  if (!measured && !tells_amplitude(data.fit)) return std::nullopt;
   std::vector<double> amplitude = course;
   for (std::size_t i = 0; measured && i < amplitude.size(); ++i)
     amplitude[i] = data.beats[i].amplitude_rad / scale;

@@ -58,6 +58,22 @@ std::string time_sentence(const Decay& decay, const DisplayUnit& unit) {
                      with_sigma(decay.time_s.value, decay.time_s.sigma), q);
 }
 
+bool has_open(const Decay& decay, std::string_view friction) {
+  return std::any_of(decay.laws.begin(), decay.laws.end(), [&](const FrictionLaw& law) {
+    return law.is_open() && law.friction == friction;
+  });
+}
+
+// Whether the log shows that Q is the same for wide and small swings: linear friction explains it,
+// and a difference that counts would have been seen.
+bool shows_one_q(const Decay& decay) {
+  constexpr double largest_relative_sigma = 0.03; // of the ratio: a tenth is seen at three sigma
+  const DecayEstimate &narrow = decay.q_at_amplitude.front().q,
+                      &wide = decay.q_at_amplitude.back().q;
+  return has_open(decay, "linear") &&
+         std::hypot(narrow.sigma / narrow.value, wide.sigma / wide.value) < largest_relative_sigma;
+}
+
 std::string q_sentence(const Decay& decay, const DisplayUnit& unit) {
   const auto known_at = [](const QAtAmplitude& at) { return is_known(at.q); };
   const auto& all = decay.q_at_amplitude;
@@ -75,12 +91,17 @@ std::string q_sentence(const Decay& decay, const DisplayUnit& unit) {
   const auto other = std::max_element(all.begin(), all.end(), [&](const auto& a, const auto& b) {
     return significance(a) < significance(b);
   });
-  const bool is_steady = significance(*other) < least_significance;
-  const QAtAmplitude& to = is_steady || significance(*last) > least_significance ? *last : *other;
+  const bool differs = significance(*other) >= least_significance;
+  const QAtAmplitude& to = !differs || significance(*last) > least_significance ? *last : *other;
+  if (to.amplitude_rad == first->amplitude_rad)
+    return "This log leaves open what Q is at other amplitudes.";
   const std::string_view form =
-      is_steady ? "Q is the same for wide and small swings, within its error: {} "
-                  "at {} and {} at {}."
-                : "Q goes from {} at {} to {} at {}.";
+      differs              ? "Q goes from {} at {} to {} at {}."
+      : shows_one_q(decay) ? "Q is the same for wide and small swings, within its error: {} at {} "
+                             "and {} at {}."
+      : has_open(decay, "linear") || decay.laws.empty()
+          ? "Whether Q changes with the swing this log leaves open: it is {} at {} and {} at {}."
+          : "How much Q changes with the swing this log leaves open: it is {} at {} and {} at {}.";
   return fmt::format(fmt::runtime(form), with_sigma(first->q.value, first->q.sigma),
                      angle(first->amplitude_rad, unit), with_sigma(to.q.value, to.q.sigma),
                      angle(to.amplitude_rad, unit));

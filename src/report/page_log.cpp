@@ -242,11 +242,11 @@ std::string stability(const Analysis& data) {
   const bool overlapping = data.deviation.kind == DeviationKind::oadev;
   Table table(overlapping ? "Overlapping Allan deviation" : "Allan deviation",
               {"τ, s", "differences", "deviation", "68 % interval",
-               std::string(words.rate_unit().name), "noise"});
+               std::string(words.deviation_unit().name), "noise"});
   for (const DeviationRow& row : data.deviation.rows)
     table.row({plain_number(row.tau_s, 6), fmt::format("{}", row.n), plain_number(row.value, 4),
                row.interval ? plain_number(row.low) + " to " + plain_number(row.high) : "–",
-               plain_number(words.rate_unit().factor * row.value),
+               plain_number(words.deviation_unit().factor * row.value),
                row.interval ? std::string(noise_name(row.alpha)) : "–"});
   return section("stability", "Stability",
                  table.empty() ? paragraph("The log is too short for it.") : table.html());

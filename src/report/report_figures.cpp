@@ -162,13 +162,6 @@ Figure TimeFigures::error() const {
           markers_};
 }
 
-// If several clocks explain a log equally well, the fitted one may swing far from the measured
-// amplitudes, with a slow drive to make up the difference; its course would mislead the reader.
-bool tells_amplitude(const FitSummary& fit) {
-  const FittedParameter* first = fit.find("lambda0");
-  return fit.has_result() && (first == nullptr || first->status != ParameterStatus::undetermined);
-}
-
 Figure TimeFigures::amplitude() const {
   std::vector<double> amplitude;
   for (const Beat& beat : data_.beats)
@@ -436,6 +429,11 @@ std::vector<Figure> report_figures(const Analysis& data) {
   if (fitted) add(figures, interval_figure(data.fit));
   if (fitted) add(figures, profile_figure(data.fit));
   return figures;
+}
+
+bool tells_amplitude(const FitSummary& fit) {
+  const FittedParameter* first = fit.find("lambda0");
+  return fit.has_result() && (first == nullptr || first->status != ParameterStatus::undetermined);
 }
 
 } // namespace goingrate

@@ -9,6 +9,11 @@
 
 namespace goingrate {
 
+/// Whether the fit determines how far the pendulum swings. If several clocks explain a log equally
+/// well, the fitted one may swing far from the true amplitudes, with a slow drive to make up the
+/// difference; its course would mislead the reader.
+bool tells_amplitude(const FitSummary& fit);
+
 /// Mean rates of stretches against their mean amplitudes, with the slope of the circular error;
 /// nullopt without amplitudes or for fewer than two stretches.
 std::optional<Figure> rate_amplitude_figure(const Analysis& data);
@@ -22,7 +27,8 @@ std::optional<Figure> drive_figure(const Analysis& data, const Axis& time, doubl
                                    std::vector<Marker> markers);
 
 /// For a free pendulum: the period against the squared amplitude, with the period of a free swing
-/// as a line. The amplitudes are the log's, or the fit's if the log has none.
+/// as a line. The amplitudes are the log's, or the fit's if the log has none; nullopt if neither
+/// tells them.
 std::optional<Figure> period_amplitude_figure(const Analysis& data);
 
 /// Q against the amplitude with its intervals; nullopt if fewer than two are determined.

@@ -26,6 +26,14 @@ bool is_noise_of_drive(std::string_view name) {
   return name == "drive_rms" || name == "slow_rms" || name == "slow_time";
 }
 
+// The friction to which Q belongs: that after the last change of it.
+const FittedParameter* last_friction(const FitSummary& fit) {
+  const FittedParameter* last = nullptr;
+  for (const FittedParameter& p : fit.parameters)
+    if (p.name == "epsilon" || p.name.starts_with("epsilon@")) last = &p;
+  return last;
+}
+
 std::string number(double value) { return with_sigma(value, 0.0, 3); }
 
 /// Gathers the rows for one log.
@@ -63,6 +71,7 @@ private:
   void add_deviation();
   [[nodiscard]] std::string value_of(const FittedParameter& parameter) const;
   [[nodiscard]] std::string name_of_parameter(const FittedParameter& parameter) const;
+  [[nodiscard]] std::string name_of_q(const FittedParameter* friction) const;
   [[nodiscard]] std::string deviation(const DeviationRow& row) const;
 
   const Analysis& data_;
@@ -189,6 +198,17 @@ std::string Numbers::value_of(const FittedParameter& p) const {
          (shown.unit.empty() ? "" : " " + shown.unit);
 }
 
+// `friction` is not used for the Q of a free swing, which no law of friction is assumed for.
+std::string Numbers::name_of_q(const FittedParameter* friction) const {
+  const FitSummary& fit = data_.fit;
+  if (fit.decay)
+    return fmt::format("quality factor Q at {}, whichever law of friction",
+                       words_.angle(fit.decay->amplitude_rad, 0.0));
+  if (fit.model.friction() != "linear") return "quality factor Q " + fit.q_factor.expression;
+  if (friction == fit.find("epsilon")) return "quality factor of that friction, Q = 1/2ε";
+  return fmt::format("quality factor Q = 1/2ε of the {}", name_of_parameter(*friction));
+}
+
 void Numbers::add_fit() {
   const FitSummary& fit = data_.fit;
   if (!fit.has_result()) return;
@@ -210,15 +230,10 @@ void Numbers::add_fit() {
   for (const ListedClock& clock : listed_clocks(fit, words_.angle_unit()))
     add(clock.odds.empty() ? "a clock that explains this log" : "  another, " + clock.odds,
         clock.parameters);
-  const FittedParameter* friction = fit.find("epsilon");
+  const FittedParameter* friction = last_friction(fit);
   const bool knows_friction = friction != nullptr && std::isfinite(friction->value);
-  const bool is_of_epsilon = knows_friction && !fit.decay && fit.model.friction() == "linear";
   if ((fit.decay || knows_friction) && std::isfinite(fit.q_factor.value))
-    add(is_of_epsilon ? "quality factor of that friction, Q = 1/2ε"
-        : fit.decay   ? fmt::format("quality factor Q at {}, whichever law of friction",
-                                    words_.angle(fit.decay->amplitude_rad, 0.0))
-                      : "quality factor Q " + fit.q_factor.expression,
-        with_sigma(fit.q_factor.value, fit.q_factor.sigma));
+    add(name_of_q(friction), with_sigma(fit.q_factor.value, fit.q_factor.sigma));
   if (fit.decay && std::isfinite(fit.decay_time.value))
     add("  decay time there",
         with_sigma(fit.decay_time.value, fit.decay_time.sigma) + " s");
@@ -278,9 +293,9 @@ void Numbers::add_isochronism() {
 std::string Numbers::deviation(const DeviationRow& row) const {
   const double sigma =
       row.interval ? 0.5 * (row.high - row.low) : std::numeric_limits<double>::quiet_NaN();
-  const double factor = words_.rate_unit().factor;
-  return fmt::format("{} {}", with_sigma(factor * row.value, factor * sigma, 4),
-                     words_.rate_unit().name);
+  const DisplayUnit& unit = words_.deviation_unit();
+  return fmt::format("{} {}", with_sigma(unit.factor * row.value, unit.factor * sigma, 4),
+                     unit.name);
 }
 
 // The longest averaging times rest on one or two differences, so the least deviation is looked for

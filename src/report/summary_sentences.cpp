@@ -52,6 +52,16 @@ bool is_drift(Cause cause) {
   return cause == Cause::growing_friction || cause == Cause::length_drift;
 }
 
+// The first turning angle of the fitted swing, known as well as the amplitude that was fitted.
+TurningAngle first_swing_of_fit(const FitSummary& fit) {
+  const FittedParameter *lambda0 = fit.find("lambda0"), *scale = fit.find("amplitude_scale");
+  if (lambda0 == nullptr || !std::isfinite(lambda0->sigma) || fit.model_amplitude_rad.empty())
+    return {};
+  const bool is_scaled = scale != nullptr && std::isfinite(scale->value);
+  const double rad = fit.model_amplitude_rad.front() / (is_scaled ? scale->value : 1.0);
+  return {rad, rad * lambda0->sigma / lambda0->value};
+}
+
 /// Writes the sentences of one log.
 class Sentences {
 public:
@@ -128,6 +138,7 @@ private:
   }
 
   void say_what_it_suffers_from();
+  [[nodiscard]] std::string fall_of_swing() const;
   void say_how_it_comes_to_rest();
   [[nodiscard]] std::string going() const;
   [[nodiscard]] std::string interruption(const Interruption& event) const;
@@ -407,18 +418,28 @@ std::string Sentences::what_to_do() const {
                                                     : "There is nothing to do.";
 }
 
+// How far it swings, as far as the log determines it: times alone may fit swings of many sizes.
+std::string Sentences::fall_of_swing() const {
+  TurningAngle first, last;
+  if (data_.fit.decay) {
+    first = data_.fit.decay->first;
+    last = data_.fit.decay->last;
+  } else {
+    first = first_swing_of_fit(data_.fit);
+  }
+  if (!std::isfinite(first.rad)) return {};
+  const std::string begin = words_.angle(first.rad, first.sigma_rad);
+  if (!std::isfinite(last.rad)) return fmt::format(": its swing is {} at first", begin);
+  return fmt::format(": its swing falls from {} to {}", begin,
+                     words_.angle(last.rad, last.sigma_rad));
+}
+
 void Sentences::say_how_it_comes_to_rest() {
   const FitSummary& fit = data_.fit;
   const FittedParameter* scale = fit.find("amplitude_scale");
   const bool is_scaled = scale != nullptr && std::isfinite(scale->value);
-  const double true_size = is_scaled ? 1.0 / scale->value : 1.0; // of what the log has
-  std::string swing;
-  if (!fit.model_amplitude_rad.empty())
-    swing = fmt::format(": its swing falls from {} to {}",
-                        words_.angle(true_size * fit.model_amplitude_rad.front(), 0.0),
-                        words_.angle(true_size * fit.model_amplitude_rad.back(), 0.0));
   say(fmt::format("This pendulum swings freely for {}{}.", words_.duration(data_.rate.duration_s),
-                  swing));
+                  fall_of_swing()));
   if (is_scaled)
     say(fmt::format("The amplitudes in the log are {} of the true ones: the period, which wide "
                     "swings lengthen, tells.",

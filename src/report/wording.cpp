@@ -24,10 +24,21 @@ double size_of(const PartRate& part) {
   return std::max(std::abs(part.rate.rate_excess), std::isfinite(sigma) ? sigma : 0.0);
 }
 
-DisplayUnit unit_of_rates(const Analysis& data) {
+double largest_rate(const Analysis& data) {
   double largest = std::abs(data.rate.rate_excess);
   for (const PartRate& stretch : data.stretches)
     largest = std::max(largest, size_of(stretch));
+  return largest;
+}
+
+double largest_deviation(const Analysis& data) {
+  double largest = 0.0;
+  for (const DeviationRow& row : data.deviation.rows)
+    largest = std::fmax(largest, row.value); // fmax skips NaN, a deviation that is not known
+  return largest;
+}
+
+DisplayUnit unit_of_rate(double largest) {
   const double largest_s = std::abs(seconds_gained_per_day(largest));
   return largest_s < 1e-3 ? millionths_per_day : largest_s < 1.0 ? thousandths_per_day : per_day;
 }
@@ -146,8 +157,10 @@ DisplayUnit unit_of_moments(const Analysis& data) {
 } // namespace
 
 Wording::Wording(const Analysis& data)
-    : rate_(unit_of_rates(data)), angle_(unit_of_angles(data)),
-      duration_(time_unit(data.rate.duration_s)), moment_(unit_of_moments(data)) {
+    : rate_(unit_of_rate(largest_rate(data))),
+      deviation_(unit_of_rate(std::max(largest_rate(data), largest_deviation(data)))),
+      angle_(unit_of_angles(data)), duration_(time_unit(data.rate.duration_s)),
+      moment_(unit_of_moments(data)) {
   is_read_ = data.rate.nominal_period_s > longest_swing_s;
   if (data.beats.empty()) return;
   first_ = data.beats.front().time;

@@ -41,6 +41,9 @@ public:
   /// Unit of rates: s/day, or ms/day where all rates of the log are below 1 s/day, or µs/day below
   /// 1 ms/day.
   [[nodiscard]] const DisplayUnit& rate_unit() const { return rate_; }
+  /// Unit of Allan deviations: that of rates, or a larger one for deviations that exceed all rates,
+  /// as those of neighbouring beats do.
+  [[nodiscard]] const DisplayUnit& deviation_unit() const { return deviation_; }
   /// mrad, or rad where the pendulum swings by more than half a radian.
   [[nodiscard]] const DisplayUnit& angle_unit() const { return angle_; }
 
@@ -74,7 +77,7 @@ private:
   // The date of the reading nearest to that moment.
   [[nodiscard]] std::string day(double at_s) const;
 
-  DisplayUnit rate_, angle_, duration_, moment_;
+  DisplayUnit rate_, deviation_, angle_, duration_, moment_;
   Instant first_;
   bool is_dated_ = false, is_read_ = false;
   double spacing_s_ = 0.0; // of readings a day or more apart, else 0

@@ -60,6 +60,20 @@ TEST(DiagnosisTest, WithAmplitudesNobodyIsToldToLookAtThem) {
       EXPECT_EQ(suspicion.advice.find("amplitude"), std::string::npos) << suspicion.advice;
 }
 
+TEST(DiagnosisTest, FrictionThatGrewIsToldWhatHelps) {
+  Change change{5000, 1e4};
+  change.kind = ChangeKind::friction;
+  const auto advice = [&](double slope) {
+    change.amplitude_slope_change = slope;
+    DiagnosisInput input;
+    input.explained = {change};
+    return diagnose(input).at(0).advice;
+  };
+  EXPECT_NE(advice(-1e-6).find("clean and oil it, and look for what rubs."), std::string::npos);
+  for (const double slope : {1e-6, double(NAN)}) // it swings more freely; or nobody knows
+    EXPECT_EQ(advice(slope), "What was done to the clock then?");
+}
+
 // A log of times in which beats are lost and the regulation changes; `swing` of the rate either way
 // comes and goes as weather does.
 std::string regulated(double period_s, double ppm, double jitter_s, double lost, std::uint64_t seed,

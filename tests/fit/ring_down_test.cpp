@@ -102,6 +102,60 @@ TEST(RingDownTest, QIsNotThatOfTheLinearPartAlone) {
   EXPECT_EQ(fit.q_factor.value, decay.q.value);
 }
 
+FitSummary free_fit(const Scenario& scenario, std::uint64_t seed) {
+  FitOptions options;
+  options.escapement = Escapement::none;
+  return fit_clock(timing_data(test::simulated_beats(scenario, seed)), 2.0, options);
+}
+
+// A fit may have another law than the best: its swing would fall from and to other amplitudes.
+TEST(RingDownTest, TheSwingFallsAsTheBestLawHasIt) {
+  Scenario scenario = test::ring_down(1000, 1e-4);
+  scenario.clock.epsilon = 0.0;
+  scenario.clock.dry_friction = 6e-5;
+  scenario.start_amplitude = 0.3;
+  const FitSummary fit = free_fit(scenario, 5);
+  ASSERT_TRUE(fit.decay);
+  scenario.sensor.amplitude_rms = 1e-9;
+  const std::vector<Beat> truth = test::simulated_beats(scenario, 5);
+  for (const auto& [found, beat] :
+       {std::pair{fit.decay->first, truth.front()}, std::pair{fit.decay->last, truth.back()}}) {
+    ASSERT_TRUE(std::isfinite(found.rad));
+    EXPECT_NEAR(found.rad, beat.amplitude_rad, 3.0 * found.sigma_rad);
+    EXPECT_LT(found.sigma_rad, 0.1 * found.rad);
+  }
+  const FittedParameter& T0 = fit["T0"];
+  EXPECT_NEAR(T0.value, scenario.clock.nominal_period_s, 4.0 * T0.sigma);
+  EXPECT_LT(T0.sigma, 1e-4) << "of " << fit.model.friction();
+}
+
+// A coefficient of a law is known as far as the laws are.
+TEST(RingDownTest, FrictionIsStatedForEveryOpenLaw) {
+  int open = 0;
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    Scenario scenario = test::ring_down(80, 2.8e-4);
+    scenario.clock.epsilon = 1e-3;
+    scenario.clock.quadratic_drag = 1e-3;
+    scenario.start_amplitude = 0.2;
+    const FitSummary fit = free_fit(scenario, seed);
+    ASSERT_TRUE(fit.decay) << seed;
+    const FittedParameter& epsilon = fit["epsilon"];
+    for (const FrictionLaw& law : fit.decay->laws) {
+      if (!law.is_open() || law.friction == fit.model.friction()) continue;
+      ++open;
+      const bool has_linear = law.friction.starts_with("linear");
+      EXPECT_EQ(law.epsilon > 0.0, has_linear) << law.friction << ", " << seed;
+      if (!has_linear) {
+        EXPECT_EQ(epsilon.status, ParameterStatus::undetermined) << law.friction << ", " << seed;
+      } else if (std::isfinite(epsilon.value)) {
+        EXPECT_LE(epsilon.low68, law.epsilon) << law.friction << ", " << seed;
+        EXPECT_GE(epsilon.high68, law.epsilon) << law.friction << ", " << seed;
+      }
+    }
+  }
+  EXPECT_GT(open, 0);
+}
+
 // Times alone show gravity's share and the square of the amplitude as one product, but for what is
 // beyond the circular error of first order; periods grow or fall as the swing dies away.
 TEST(RingDownTest, GravitysShareFromTimesAlone) {

@@ -238,6 +238,41 @@ TEST(SummaryTest, AFreeSwingHasNoBeatErrorAndNoStability) {
     EXPECT_EQ(number.quantity.find("Allan"), std::string::npos);
 }
 
+// The course that was fitted may be of another size, or under another law of friction.
+TEST(SummaryTest, AFreeSwingHasNoAmplitudeThatTheLogDoesNotTell) {
+  Analysis data = quiet_report();
+  data.fit.model.escapement = Escapement::none;
+  data.fit.decay.emplace();
+  data.fit.decay->q_at_amplitude = {{0.06, {766.0, 1.0}}, {0.3, {3895.0, 2.0}}};
+  data.fit.model_amplitude_rad = {0.3472, 0.1782};
+  const std::string untold = all_of(report_sentences(data));
+  EXPECT_NE(untold.find("swings freely for 2997 s."), std::string::npos) << untold;
+  data.fit.decay->first = {0.3, 1e-3};
+  EXPECT_NE(report_sentences(data)[0].find("its swing is 300.0 ± 1.0 mrad at first."),
+            std::string::npos)
+      << report_sentences(data)[0];
+  data.fit.decay->last = {0.06, 2e-3};
+  EXPECT_NE(
+      report_sentences(data)[0].find("its swing falls from 300.0 ± 1.0 mrad to 60.0 ± 2.0 mrad."),
+      std::string::npos)
+      << report_sentences(data)[0];
+}
+
+TEST(SummaryTest, WithoutADecayTheFirstSwingIsTold) {
+  Analysis data = quiet_report();
+  data.fit.model.escapement = Escapement::none;
+  FittedParameter lambda0{"lambda0", "rad"};
+  lambda0.value = 0.2;
+  lambda0.sigma = NAN;
+  data.fit.parameters.push_back(lambda0); // undetermined
+  data.fit.model_amplitude_rad.front() = 0.2;
+  const std::string untold = report_sentences(data)[0];
+  EXPECT_NE(untold.find("swings freely for 2997 s."), std::string::npos) << untold;
+  data.fit.parameters.back().sigma = 1e-3;
+  const std::string told = report_sentences(data)[0];
+  EXPECT_NE(told.find("its swing is 200.0 ± 1.0 mrad at first."), std::string::npos) << told;
+}
+
 TEST(SummaryTest, SaysWhatTheClockDoes) {
   const Analysis data = quiet_report();
   EXPECT_NE(report_sentences(data)[0].find("the clock gains 864"), std::string::npos)
@@ -515,6 +550,29 @@ TEST(SummaryTest, TheTableHasOneUnitForAQuantity) {
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);)
     EXPECT_LE(characters(line), 80U) << line;
+}
+
+// Those of neighbouring beats exceed the rate of a clock that goes well by far.
+TEST(SummaryTest, AnAllanDeviationHasAUnitOfItsSize) {
+  Analysis data = some_report();
+  data.deviation.rows[0] = {3.0, 1, 498, 4.262e-4, 4.152e-4, 4.372e-4, 2, true}; // 36.8 s/day
+  EXPECT_EQ(value_of(data, "Allan deviation over τ = 3 s"), "36.82 ± 0.95 s/day");
+  EXPECT_EQ(value_of(data, "  least, over τ = 6 s"), "0.1728 s/day");
+  EXPECT_NE(value_of(data, "rate over the whole log, end to end").find(" ms/day"),
+            std::string::npos);
+}
+
+TEST(SummaryTest, AQAfterAChangeOfFrictionNamesIt) {
+  Analysis data = some_report();
+  EXPECT_NE(value_of(data, "quality factor of that friction, Q = 1/2ε"), "");
+  FittedParameter later = *data.fit.find("epsilon");
+  later.name = "epsilon@1";
+  data.fit.parameters.push_back(later);
+  data.fit.events = {{100, {"epsilon"}}};
+  EXPECT_EQ(value_of(data, "quality factor of that friction, Q = 1/2ε"), "");
+  EXPECT_EQ(value_of(data, "quality factor Q = 1/2ε of the friction ε from 2013-04-01 00:05:03 on"),
+            "6250 ± 80")
+      << report_text(data);
 }
 
 TEST(SummaryTest, TheQOfARingDownIsNotThatOfLinearFrictionAlone) {

@@ -78,6 +78,23 @@ TEST(TextTest, AQThatDoesNotChangeIsSaidNotTo) {
       << decay_sentences(decay);
 }
 
+// Values may agree because they are vague.
+TEST(TextTest, AQThatMayChangeIsNotSaidToBeTheSame) {
+  const auto says = [](const Decay& decay, const char* words) {
+    EXPECT_NE(decay_sentences(decay).find(words), std::string::npos) << decay_sentences(decay);
+  };
+  Decay decay = some_decay(0.4);
+  decay.q_at_amplitude = {{0.187, {1035.0, 327.0}}, {0.385, {687.0, 52.0}}};
+  says(decay, "Whether Q changes with the swing this log leaves open: it is 687 ± 52 at 385 mrad "
+              "and 1035 ± 327 at 187 mrad.");
+  decay.laws[0].behind = 318.0; // the linear law is excluded
+  says(decay, "How much Q changes with the swing this log leaves open");
+  decay.q_at_amplitude = {{0.187, {690.0, 5.0}}, {0.385, {687.0, 5.0}}};
+  says(decay, "How much Q changes with the swing this log leaves open");
+  decay.q_at_amplitude = {{0.1, {NAN, NAN}}, {0.385, {687.0, 5.0}}};
+  says(decay, "This log leaves open what Q is at other amplitudes.");
+}
+
 TEST(TextTest, ScattersAndSharesAreShownInUnitsOfTheirSize) {
   FitSummary fit;
   fit.parameters = {

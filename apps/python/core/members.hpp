@@ -72,8 +72,10 @@ GOINGRATE_MEMBERS(FitNote, kind, text)
 GOINGRATE_MEMBERS(ClockTwin, parameters, sigma, delta_2logL)
 GOINGRATE_MEMBERS(DecayEstimate, value, sigma, low68, high68, low95, high95)
 GOINGRATE_MEMBERS(QAtAmplitude, amplitude_rad, q)
-GOINGRATE_MEMBERS(FrictionLaw, friction, bic, behind, T0_s, T0_sigma_s, lambda0, lambda0_sigma)
-GOINGRATE_MEMBERS(Decay, amplitude_rad, q, time_s, q_at_amplitude, laws)
+GOINGRATE_MEMBERS(FrictionLaw, friction, bic, behind, T0_s, T0_sigma_s, lambda0, lambda0_sigma, epsilon, epsilon_sigma, quadratic_drag,
+                  quadratic_drag_sigma, dry_friction, dry_friction_sigma)
+GOINGRATE_MEMBERS(TurningAngle, rad, sigma_rad)
+GOINGRATE_MEMBERS(Decay, amplitude_rad, q, time_s, q_at_amplitude, laws, first, last)
 GOINGRATE_MEMBERS(FitSummary, status, termination, dynamics, model, chosen_by, parameters,
                   correlated, correlation, combinations, q_factor, stationary_amplitude,
                   rate_s_per_day, decay_time, decay, jitter_s, amplitude_noise_rad, time_widening,

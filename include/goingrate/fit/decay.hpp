@@ -1,6 +1,7 @@
 // The decay of a free pendulum, from a ring-down.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,12 @@ struct DecayEstimate {
   double value = 0.0;
   double sigma = 0.0; ///< half the 68 % interval
   double low68 = 0.0, high68 = 0.0, low95 = 0.0, high95 = 0.0;
+};
+
+/// How far a pendulum swings from where it hangs; NaN where the log does not determine it.
+struct TurningAngle {
+  double rad = std::numeric_limits<double>::quiet_NaN();
+  double sigma_rad = std::numeric_limits<double>::quiet_NaN(); ///< whichever law of friction
 };
 
 /// Q of swings of one amplitude.
@@ -27,6 +34,10 @@ struct FrictionLaw {
   double behind = 0.0; ///< its BIC less that of the best; 0 for the best
   /// The other parameters under this law; NaN if they are held or the law is not open.
   double T0_s = 0.0, T0_sigma_s = 0.0, lambda0 = 0.0, lambda0_sigma = 0.0;
+  /// Its terms of friction, as the fit has them; 0 ± 0 for one that this law does not have, NaN if
+  /// the law is not open.
+  double epsilon = 0.0, epsilon_sigma = 0.0, quadratic_drag = 0.0, quadratic_drag_sigma = 0.0,
+         dry_friction = 0.0, dry_friction_sigma = 0.0;
 
   /// The difference of BIC that excludes a law: odds of 20 to 1.
   static constexpr double decisive = 6.0;
@@ -48,6 +59,7 @@ struct Decay {
   DecayEstimate time_s{};                     ///< A/(-dA/dt) at that amplitude
   std::vector<QAtAmplitude> q_at_amplitude{}; ///< from the last amplitude of the log to the first
   std::vector<FrictionLaw> laws{};            ///< those that were tried, the best first
+  TurningAngle first{}, last{};               ///< at the first beat of the log, and at the last
 
   /// Whether a second law explains the log nearly as well.
   [[nodiscard]] bool law_is_open() const;
