@@ -434,16 +434,24 @@ std::string Sentences::fall_of_swing() const {
                      words_.angle(last.rad, last.sigma_rad));
 }
 
+// A dark time gives half of the amplitude if the period is taken for half as long as it is.
+std::string size_of_logged_amplitudes(const FittedParameter& scale) {
+  constexpr double tolerance = 0.01, sigmas = 3.0; // of a half
+  const std::string told = fmt::format("The amplitudes in the log are {} of the true ones: the "
+                                       "period, which wide swings lengthen, tells.",
+                                       with_sigma(scale.value, scale.sigma));
+  if (!(std::abs(scale.value - 0.5) < std::max(tolerance, sigmas * scale.sigma))) return told;
+  return told + " They are half where both passages of each swing are in a log that was read as if "
+                "it had one: then the period is twice and Q half of what is given here.";
+}
+
 void Sentences::say_how_it_comes_to_rest() {
   const FitSummary& fit = data_.fit;
   const FittedParameter* scale = fit.find("amplitude_scale");
   const bool is_scaled = scale != nullptr && std::isfinite(scale->value);
   say(fmt::format("This pendulum swings freely for {}{}.", words_.duration(data_.rate.duration_s),
                   fall_of_swing()));
-  if (is_scaled)
-    say(fmt::format("The amplitudes in the log are {} of the true ones: the period, which wide "
-                    "swings lengthen, tells.",
-                    with_sigma(scale->value, scale->sigma)));
+  if (is_scaled) say(size_of_logged_amplitudes(*scale));
   if (fit.decay) say(decay_sentences(*fit.decay));
   const FittedParameter* period = fit.find("T0");
   if (period != nullptr && std::isfinite(period->value))

@@ -258,6 +258,18 @@ TEST(SummaryTest, AFreeSwingHasNoAmplitudeThatTheLogDoesNotTell) {
       << report_sentences(data)[0];
 }
 
+// A gate that logs both passages of each swing halves the period, and with it the amplitudes.
+TEST(SummaryTest, HalfOfTheAmplitudesTellsOfBothPassages) {
+  for (const double size : {0.499, 0.8}) {
+    Analysis data = quiet_report();
+    data.fit.model.escapement = Escapement::none;
+    data.fit.parameters.push_back({"amplitude_scale", "", ParameterStatus::free, size, 5e-4});
+    const std::string text = all_of(report_sentences(data));
+    EXPECT_NE(text.find("of the true ones"), std::string::npos) << text;
+    EXPECT_EQ(text.find("the period is twice") != std::string::npos, size < 0.6) << text;
+  }
+}
+
 TEST(SummaryTest, WithoutADecayTheFirstSwingIsTold) {
   Analysis data = quiet_report();
   data.fit.model.escapement = Escapement::none;
