@@ -99,8 +99,7 @@ std::string evidence_of(const Candidate& found, bool sees_amplitude) {
 }
 
 std::string advice_on_grown_friction() {
-  return "What was done to the clock then? If nothing was, clean and oil it, and look for what "
-         "rubs.";
+  return "If nothing was done to the clock then, clean and oil it, and look for what rubs.";
 }
 
 std::string advice_on(Cause cause, bool sees_amplitude, const CauseNumbers& numbers) {
