@@ -35,15 +35,21 @@ plus_minus() {
       print power ? "(" text ")e" power : text
     }'
 }
+# off NAME TRUTH CSV: how far from the truth, in units of the 68 % interval on the truth's side
+off() {
+  awk -F, -v name="$1" -v truth="$2" '$1 == name && $3 != "" {
+    printf "%+.1f", ($2 - truth) / (truth > $2 ? $5 - $2 : $2 - $4)
+  }' "$3"
+}
 # compare NAME TRUTH CSV: one line of a table
 compare() {
-  row "$1" "$2" "$(fitted "$3" "$1" 2)" "$(fitted "$3" "$1" 3)"
+  row "$1" "$2" "$(fitted "$3" "$1" 2)" "$(fitted "$3" "$1" 3)" "$(off "$1" "$2" "$3")"
 }
-row() { # NAME TRUTH VALUE SIGMA
+row() { # NAME TRUTH VALUE SIGMA [OFF]
   if [ -z "$3" ] || [ -z "$4" ]; then
     say "| $1 | $2 | undetermined | – |"
   else
-    say "| $1 | $2 | $(plus_minus "$3" "$4") | $(calc '%+.1f' "($3 - $2) / $4") |"
+    say "| $1 | $2 | $(plus_minus "$3" "$4") | ${5:-$(calc '%+.1f' "($3 - $2) / $4")} |"
   fi
 }
 table() {
@@ -267,8 +273,8 @@ which_model() {
   d=$(fitted "$fit" quadratic_drag 2) sd=$(fitted "$fit" quadratic_drag 3)
   say
   if [ -n "$d" ] && [ -n "$sd" ]; then
-    say "- Q1. Drag $(calc %.0f "$d / $sd") sigma from nothing, ε" \
-      "$(calc %.0f "($(fitted "$fit" epsilon 2) - $eps) / $(fitted "$fit" epsilon 3)") sigma from the truth." \
+    say "- Q1. Drag $(off quadratic_drag 0 "$fit") sigma from nothing, ε" \
+      "$(off epsilon "$eps" "$fit") sigma from the truth." \
       "Chi-squared: $(sed -nE 's/.*degrees of freedom \((p = [0-9.e-]+)\).*/\1/p' "$work/5-averaged1.txt"); whiteness:" \
       "$(sed -nE 's/.*are white with (p = [0-9.e-]+) .*/\1/p' "$work/5-averaged1.txt"). Nothing sticks out."
   else
