@@ -2,6 +2,8 @@
 #include "job.hpp"
 #include "plot.hpp"
 
+#include "base/spelling.hpp"
+
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/report/json.hpp"
 #include "goingrate/report/tables.hpp"
@@ -47,8 +49,10 @@ std::vector<double> averaging_times(const std::string& taus) {
   try {
     return numbers_in("taus", taus);
   } catch (const ArgumentError&) {
+    static const std::vector<std::string> words{"octave", "decade", "all"};
     throw ArgumentError("taus", taus,
-                        "octave, decade, all, or numbers in seconds, such as 3,30,300");
+                        "octave, decade, all, or numbers in seconds, such as 3,30,300" +
+                            meant_instead(taus, words));
   }
 }
 

@@ -34,6 +34,15 @@ std::string in_small_letters(std::string_view word) {
   return small;
 }
 
+// Whether the name, or a part of it behind _ or -, begins with the word.
+bool begins_a_part(std::string_view name, std::string_view word) {
+  if (name.starts_with(word)) return true;
+  for (std::size_t at = name.find_first_of("_-"); at != std::string_view::npos;
+       at = name.find_first_of("_-", at + 1))
+    if (name.substr(at + 1).starts_with(word)) return true;
+  return false;
+}
+
 } // namespace
 
 std::optional<std::string> nearest_word(std::string_view typed,
@@ -45,7 +54,7 @@ std::optional<std::string> nearest_word(std::string_view typed,
   std::size_t fewest = allowed + 1;
   for (const std::string& candidate : known) {
     const std::string small = in_small_letters(candidate);
-    const bool begun = word.size() >= letters_a_slip && small.starts_with(word);
+    const bool begun = word.size() >= letters_a_slip && begins_a_part(small, word);
     const std::size_t slips = begun ? allowed : slips_between(word, small);
     if (slips >= fewest) continue;
     fewest = slips;

@@ -12,9 +12,9 @@ namespace goingrate {
 ///
 /// Capitals count as small letters. A word is close if it differs by at most one error for every
 /// three letters, three at most (a letter too many, too few or wrong, or two neighbours exchanged),
-/// or if `word` is its beginning, of three letters or more. Of several close words the closest is
-/// taken, and the first of equally close ones. Cost: the product of the lengths, for each word.
-/// (SpellingTest.FindsTheWordThatWasMeant)
+/// or if `word`, of three letters or more, is its beginning or that of a part of it behind _ or -.
+/// Of several close words the closest is taken, and the first of equally close ones. Cost: the
+/// product of the lengths, for each word. (SpellingTest.FindsTheWordThatWasMeant)
 std::optional<std::string> nearest_word(std::string_view word, std::span<const std::string> known);
 
 /// " (did you mean X?)" with that word, for the end of a message; empty if none is close.

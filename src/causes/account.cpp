@@ -129,12 +129,12 @@ Account::Account(const RateBlocks& blocks, const NoiseKinds& rate_noise)
   amplitude_noise_ = of_amplitude({}).noise;
 }
 
-RateRegression Account::of_rate(const Series& more) const {
-  return regress(rate_, joined(rate_taken_, more), rate_noise_);
+RateRegression Account::of_rate(const Series& more, NoiseSize size) const {
+  return regress(rate_, joined(rate_taken_, more), rate_noise_, size);
 }
 
-RateRegression Account::of_amplitude(const Series& more) const {
-  return regress(amplitude_, joined(amplitude_taken_, more), amplitude_noise_);
+RateRegression Account::of_amplitude(const Series& more, NoiseSize size) const {
+  return regress(amplitude_, joined(amplitude_taken_, more), amplitude_noise_, size);
 }
 
 double Account::gain_of(const Courses& courses) const {
@@ -172,12 +172,12 @@ Sizes Account::sizes_of(const Courses& courses) const {
   };
   Sizes sizes;
   if (!courses.rate.empty()) {
-    const RateRegression found = of_rate(courses.rate);
+    const RateRegression found = of_rate(courses.rate, NoiseSize::unbiased);
     sizes.rate = last(found.coefficients, courses.rate.size());
     sizes.rate_sigma = last(found.sigmas, courses.rate.size());
   }
   if (sees_amplitude() && !courses.amplitude.empty()) {
-    const RateRegression found = of_amplitude(courses.amplitude);
+    const RateRegression found = of_amplitude(courses.amplitude, NoiseSize::unbiased);
     sizes.amplitude = last(found.coefficients, courses.amplitude.size());
     sizes.amplitude_sigma = last(found.sigmas, courses.amplitude.size());
   }

@@ -94,7 +94,10 @@ public:
   [[nodiscard]] double amplitude_gain_of(const Courses& courses) const;
   /// The gain of other kinds of noise of the rate, which have `numbers` more sizes.
   [[nodiscard]] double gain_of(const NoiseKinds& kinds, int numbers) const;
-  /// Sizes of courses in addition to those taken.
+  /// Sizes of courses in addition to those taken, with the noise of the restricted likelihood: with
+  /// the likeliest, a drift that follows the lowest coefficients leaves no noise there, and its own
+  /// sigma with them. A drift's errors are 1.4 times its sigma, since the noise is known from a few
+  /// coefficients only (AccountTest.ADriftLeavesTheNoiseThatItStandsIn).
   [[nodiscard]] Sizes sizes_of(const Courses& courses) const;
   void take(const Courses& courses);
   void take(const NoiseKinds& kinds);
@@ -104,8 +107,8 @@ public:
 
 private:
   using Series = std::vector<std::vector<double>>;
-  [[nodiscard]] RateRegression of_rate(const Series& more) const;
-  [[nodiscard]] RateRegression of_amplitude(const Series& more) const;
+  [[nodiscard]] RateRegression of_rate(const Series& more, NoiseSize size = {}) const;
+  [[nodiscard]] RateRegression of_amplitude(const Series& more, NoiseSize size = {}) const;
 
   std::vector<double> rate_, amplitude_; // cosines
   Series rate_taken_, amplitude_taken_;  // cosines of the courses

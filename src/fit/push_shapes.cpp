@@ -220,7 +220,7 @@ ImpulseCycle::Estimate mean_of(const std::vector<double>& each) {
     squares += std::pow(each[i] - mean, 2);
     if (i > 0) neighbours += (each[i] - mean) * (each[i - 1] - mean);
   }
-  const double all = std::max(squares + 2.0 * neighbours, 0.25 * squares);
+  const double all = std::max(squares, squares + 2.0 * neighbours);
   return {mean, std::sqrt(all / (count - 1.0) / count)};
 }
 
