@@ -10,7 +10,9 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <functional>
 #include <limits>
+#include <span>
 #include <utility>
 
 namespace goingrate::timing_model {
@@ -39,9 +41,9 @@ bool swing_grows(const TimingData& data, double noise_rad) {
 
 constexpr std::size_t thinned_beats = 1000; // enough to show an escapement
 
-// Whether a pendulum under linear friction can go on swinging this freely. A clock whose swing falls
-// by a tenth in a day, because its weight nears the floor or its oil thickens, looks like a free one
-// of Q 500 000.
+// Whether a pendulum under linear friction can go on swinging this freely. A clock whose swing
+// falls by a tenth in a day, because its weight nears the floor or its oil thickens, looks like a
+// free one of Q 500 000.
 bool may_swing_freely(const Fitted& fitted) {
   constexpr double largest_q = 2e5; // the best of pendulums in vacuum come near it
   const Slot* epsilon = fitted.problem.parameters.find(Quantity::epsilon);
@@ -119,38 +121,23 @@ double handicap(const ModelChoice& model) {
 
 } // namespace
 
-// If the simplest laws do not explain the log, takes the alternative that comes nearest, if its
-// residuals are no larger than the jitter. They need not be white: of many tests, some fail by
-// chance.
-void ModelSearch::consider_other_laws(const std::vector<FitEvent>& found) {
-  if (best_.model.walk || is_rounding(best_) || explains(best_)) return;
-  TimingData thin;
-  const Fitted chosen = roughly_fitted(options_, best_.model, thin);
-  if (explains(chosen)) return;
-  Laws here{options_, best_.model};
-  here.options.events = found; // the dates as found, not as moved by the first fit
-  std::optional<Laws> best;
-  double least = std::numeric_limits<double>::infinity();
-  if (chosen.minimum.usable) least = chosen.minimum.value + handicap(chosen.model);
-  for (Laws& laws : other_laws(here)) {
-    thin = {};
-    const Fitted rough = roughly_fitted(laws.options, laws.model, thin);
-    const double value = rough.minimum.value + handicap(laws.model);
-    const bool is_near = rough.minimum.usable && is_as_small_as(guess_.jitter_s, rough);
-    if (!is_near || !(value < least)) continue;
-    least = value;
-    best = std::move(laws);
-  }
-  if (!best) return;
-  Fitted other = fit_from_scratch(working_.data, best->options, best->model, guess_);
-  if (!other.minimum.usable) return;
-  tried(best_, "does not explain the log, and the next does");
-  best_ = std::move(other);
-  options_ = std::move(best->options);
-  move_dates(best_, options_);
+namespace {
+
+// The options with the dates at which a fit ended.
+FitOptions dated_as(const Fitted& fitted, FitOptions options) {
+  for (std::size_t k = 0; k < options.events.size(); ++k)
+    options.events[k].cycle = std::llround(fitted.problem.parameters.event_cycles[k]);
+  return options;
 }
 
-namespace {
+// The first event of which another parameter changes.
+std::size_t changed_among(const ModelSearch::Laws& here, const ModelSearch::Laws& other) {
+  std::size_t changed = 0;
+  while (changed + 1 < here.options.events.size() &&
+         other.options.events[changed].names == here.options.events[changed].names)
+    ++changed;
+  return changed;
+}
 
 // The parameters that a fit by other laws determines, and those that it holds fixed.
 ModelSearch::EqualLaws knowledge_of(const Fitted& other, const std::string& changed) {
@@ -184,53 +171,98 @@ Fitted ModelSearch::roughly_fitted_near(const Laws& laws, std::size_t changed,
 }
 
 // A rough fit, searched to its minimum on all beats by the full equation of motion.
-Fitted ModelSearch::wholly_fitted(const Fitted& rough, FitOptions options) const {
-  for (std::size_t k = 0; k < options.events.size(); ++k)
-    options.events[k].cycle = std::llround(rough.problem.parameters.event_cycles[k]);
-  Fitted all = fit_from(rough, options, rough.model, &working_.data);
+Fitted ModelSearch::wholly_fitted(const Fitted& rough, const FitOptions& options) const {
+  Fitted all = fit_from(rough, dated_as(rough, options), rough.model, &working_.data);
   all.minimum.usable = all.minimum.usable && refine(all, FitDynamics::map);
   return all;
 }
 
-// Other changes at the same dates that explain the log as well, to three sigma. Asked for only
-// where the chosen ones determine something of the clock, which the others may contradict.
+// Fits of the present laws and of each alternative to the same beats. Kinds of changes are always
+// compared: one of the wrong kind may explain a log, and be far behind the right one. Another
+// escapement is tried only where none of the changes explains the log. An alternative counts if its
+// residuals are no larger than the jitter. They need not be white: of many tests, some fail by
+// chance.
+std::vector<ModelSearch::FittedLaws> ModelSearch::compared_laws(const Laws& here) const {
+  std::vector<Laws> others = other_laws(here);
+  const auto is_change = [&](const Laws& laws) {
+    return laws.model.escapement == here.model.escapement;
+  };
+  const auto keep_changes = [&] { std::erase_if(others, std::not_fn(is_change)); };
+  if (explains(best_)) keep_changes();
+  if (others.empty()) return {{here, best_}};
+  TimingData thin;
+  std::vector<FittedLaws> all{{here, roughly_fitted(here.options, here.model, thin)}};
+  if (explains(all.front().fitted)) keep_changes();
+  for (Laws& laws : others) {
+    Fitted rough = is_change(laws) ? roughly_fitted_near(laws, changed_among(here, laws), thin)
+                                   : roughly_fitted(laws.options, laws.model, thin);
+    if (rough.minimum.usable && is_as_small_as(guess_.jitter_s, rough))
+      all.push_back({std::move(laws), std::move(rough)});
+  }
+  return all;
+}
+
+// Takes the laws that come nearest to the log, and notes those that come as near.
+std::vector<ModelSearch::EqualLaws> ModelSearch::choose_laws(const std::vector<FitEvent>& found) {
+  if (best_.model.walk || is_rounding(best_)) return {};
+  Laws here{options_, best_.model};
+  for (std::size_t k = 0; k < found.size(); ++k) // each moves its dates from where they were found
+    here.options.events[k].cycle = found[k].cycle;
+  std::vector<FittedLaws> all = compared_laws(here);
+  const auto loss = [](const FittedLaws& one) {
+    const Minimum& minimum = one.fitted.minimum;
+    return minimum.usable ? minimum.value + handicap(one.laws.model)
+                          : std::numeric_limits<double>::infinity();
+  };
+  const auto best = std::min_element(
+      all.begin(), all.end(), [&](const auto& a, const auto& b) { return loss(a) < loss(b); });
+  constexpr double least_gain = 3.0; // in L, for other laws to be preferred: odds of 20 to 1
+  if (best == all.begin() || loss(*best) > loss(all.front()) - least_gain) return equal_laws(all);
+  take_laws(*best);
+  std::iter_swap(all.begin(), best);
+  return equal_laws(all);
+}
+
+void ModelSearch::take_laws(const FittedLaws& better) {
+  FitOptions options = dated_as(better.fitted, better.laws.options);
+  Fitted other = fit_from_scratch(working_.data, options, better.laws.model, guess_);
+  if (!other.minimum.usable) return;
+  tried(best_, "the next comes nearer to the log");
+  best_ = std::move(other);
+  options_ = std::move(options);
+  move_dates(best_, options_);
+}
+
+// Other changes at the same dates that explain the log as well as the first of `compared`, to three
+// sigma. Asked for only where the chosen ones determine something of the clock, which the others
+// may contradict.
 std::vector<ModelSearch::EqualLaws>
-ModelSearch::equal_laws(const std::vector<FitEvent>& found) const {
+ModelSearch::equal_laws(const std::vector<FittedLaws>& compared) const {
   const auto& slots = best_.problem.parameters.slots;
   const auto is_known = [&](const Slot& slot) {
     return is_of_clock(slot.quantity) && is_determined(best_, slot);
   };
-  if (best_.model.walk || is_rounding(best_) || std::none_of(slots.begin(), slots.end(), is_known))
-    return {};
-  Laws here{options_, best_.model};
-  for (std::size_t k = 0; k < found.size(); ++k) // each moves its dates from where they were found
-    here.options.events[k].cycle = found[k].cycle;
-  std::vector<Laws> others = other_laws(here);
-  std::erase_if(others, [&](const Laws& laws) { return laws.model.name() != best_.model.name(); });
-  if (others.empty()) return {};
-  TimingData thin;
-  const Fitted chosen = roughly_fitted(here.options, best_.model, thin);
-  if (!explains(chosen)) return {};
+  const auto& [here, chosen] = compared.front();
+  if (std::none_of(slots.begin(), slots.end(), is_known) || !explains(chosen)) return {};
   constexpr double three_sigma = 4.5; // of L
   Fitted whole;
   std::vector<EqualLaws> equal;
-  for (const Laws& laws : others) {
-    std::size_t changed = 0;
-    while (laws.options.events[changed].names == options_.events[changed].names)
-      ++changed;
-    Fitted other = roughly_fitted_near(laws, changed, thin);
-    if (!explains(other) || other.minimum.value > chosen.minimum.value + three_sigma) continue;
-    other = wholly_fitted(other, laws.options);
+  for (const auto& [laws, rough] : std::span(compared).subspan(1)) {
+    const bool is_change = laws.model.name() == here.model.name();
+    if (!is_change || rough.minimum.value > chosen.minimum.value + three_sigma) continue;
+    const Fitted other = wholly_fitted(rough, laws.options);
     if (!whole.minimum.usable) whole = wholly_fitted(chosen, here.options);
-    if (other.minimum.usable && other.minimum.value <= whole.minimum.value + three_sigma)
-      equal.push_back(knowledge_of(other, laws.options.events[changed].names.front()));
+    if (!other.minimum.usable || other.minimum.value > whole.minimum.value + three_sigma) continue;
+    const auto& changed = laws.options.events[changed_among(here, laws)];
+    equal.push_back(knowledge_of(other, changed.names.front()));
   }
   return equal;
 }
 
 // Other laws under a drive that varies from beat to beat, compared before a slow drive absorbs the
 // misfit of wrong laws. A thinned log is enough to rank them.
-std::optional<ModelSearch::Driven> ModelSearch::laws_that_explain(const Driven& driven) const {
+std::optional<ModelSearch::FittedLaws>
+ModelSearch::laws_that_explain(const FittedLaws& driven) const {
   constexpr std::size_t beats_to_rank_laws = 2500; // beats
   const FewBeats few =
       few_beats(working_.data, driven.fitted.problem.parameters.event_cycles, beats_to_rank_laws);
@@ -246,7 +278,7 @@ std::optional<ModelSearch::Driven> ModelSearch::laws_that_explain(const Driven& 
   });
   const auto least = std::min_element(losses.begin(), losses.end());
   if (least == losses.end() || *least >= here.minimum.value) return {};
-  Driven other{std::move(others[static_cast<std::size_t>(least - losses.begin())]), {}};
+  FittedLaws other{std::move(others[static_cast<std::size_t>(least - losses.begin())]), {}};
   auto& [laws, fitted] = other;
   fitted = fit_from_any(std::array{&std::as_const(best_)}, laws.options, laws.model);
   if (!fitted.minimum.usable || !refine(fitted, driven.fitted.dynamics)) return {};

@@ -429,8 +429,8 @@ void ModelSearch::settle_laws() {
   if (!best_.minimum.usable) return;
   const std::vector<FitEvent> found = options_.events;
   move_dates(best_, options_);
-  consider_other_laws(found);
-  settled_ = {{options_, best_.model}, equal_laws(found), alternatives_, notes_};
+  std::vector<EqualLaws> equal = choose_laws(found);
+  settled_ = {{options_, best_.model}, std::move(equal), alternatives_, notes_};
 }
 
 const Fitted& ModelSearch::run(std::string_view what, const FitStage& now) {

@@ -80,19 +80,22 @@ private:
                                       TimingData& thin) const;
   [[nodiscard]] bool is_told_of_torque() const;
   [[nodiscard]] std::vector<Laws> other_laws(const Laws& than) const;
-  void consider_other_laws(const std::vector<FitEvent>& found);
-  /// Laws fitted under a drive that varies.
-  struct Driven {
+  /// Laws and a fit with them.
+  struct FittedLaws {
     Laws laws;
     Fitted fitted;
   };
-  [[nodiscard]] std::optional<Driven> laws_that_explain(const Driven& driven) const;
-  void let_times_walk(Driven& drive, FitDynamics dynamics) const;
-  [[nodiscard]] Fitted with_slow_drive(Driven& drive, FitDynamics dynamics) const;
+  [[nodiscard]] std::optional<FittedLaws> laws_that_explain(const FittedLaws& driven) const;
+  void let_times_walk(FittedLaws& drive, FitDynamics dynamics) const;
+  [[nodiscard]] Fitted with_slow_drive(FittedLaws& drive, FitDynamics dynamics) const;
   [[nodiscard]] Fitted roughly_fitted_near(const Laws& laws, std::size_t changed,
                                            TimingData& thin) const;
-  [[nodiscard]] Fitted wholly_fitted(const Fitted& rough, FitOptions options) const;
-  [[nodiscard]] std::vector<EqualLaws> equal_laws(const std::vector<FitEvent>& found) const;
+  [[nodiscard]] Fitted wholly_fitted(const Fitted& rough, const FitOptions& options) const;
+  [[nodiscard]] std::vector<FittedLaws> compared_laws(const Laws& here) const;
+  std::vector<EqualLaws> choose_laws(const std::vector<FitEvent>& found);
+  void take_laws(const FittedLaws& better);
+  /// `compared`: the chosen laws first.
+  [[nodiscard]] std::vector<EqualLaws> equal_laws(const std::vector<FittedLaws>& compared) const;
   [[nodiscard]] bool prefers_no_escapement(const ModelChoice& driven, ModelChoice& chosen);
   void leave_out_contradicted_priors();
   void settle_laws();

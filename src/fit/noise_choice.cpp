@@ -45,11 +45,11 @@ bool ModelSearch::noise_is_asked_for() const {
 // which show the drive, such a walk of the times can be recognised, and is added if the log calls
 // for it. With noise of the drive, the error of first order looks like a walk, so second order is
 // used to judge.
-void ModelSearch::let_times_walk(Driven& drive, FitDynamics dynamics) const {
+void ModelSearch::let_times_walk(FittedLaws& drive, FitDynamics dynamics) const {
   if (!all_.has_amplitude() || drive.laws.model.walk || white(drive.fitted)) return;
   const FitDynamics judge = std::max(dynamics, FitDynamics::averaged2);
   if (!refine(drive.fitted, judge) || white(drive.fitted)) return;
-  Driven both = drive;
+  FittedLaws both = drive;
   both.laws.model.walk = true;
   both.fitted = fit_from_any(std::array<const Fitted*, 2>{&drive.fitted, &best_}, both.laws.options,
                              both.laws.model);
@@ -59,7 +59,7 @@ void ModelSearch::let_times_walk(Driven& drive, FitDynamics dynamics) const {
 }
 
 // The fit of these laws with a slowly varying drive as well, if the log calls for it.
-Fitted ModelSearch::with_slow_drive(Driven& drive, FitDynamics dynamics) const {
+Fitted ModelSearch::with_slow_drive(FittedLaws& drive, FitDynamics dynamics) const {
   auto& [options, model] = drive.laws;
   const bool automatic = options.noise == FitNoise::automatic;
   model.slow = true;
@@ -116,7 +116,7 @@ void ModelSearch::choose_noise() {
   laws.model.walk = names(options_, "walk_rms");
   laws.model.drive = true;
   laws.model.jitter = wanted != FitNoise::drive;
-  Driven drive{laws, fit_with(laws)};
+  FittedLaws drive{laws, fit_with(laws)};
   if (!drive.fitted.minimum.usable) return;
   // As long as the model had no such drive, changes were dated so as to explain its effects.
   move_dates(drive.fitted, drive.laws.options);

@@ -62,6 +62,51 @@ TEST(NoticedTest, AChangeOfFrictionAndItsDate) {
   }
 }
 
+// In these two logs a change of μ explains the times to within their jitter, with a clock far from
+// the true one, and a date three beats off hides the right kind.
+TEST(NoticedTest, AChangeOfFrictionThatAnotherExplainsToo) {
+  constexpr const char* scenario = R"(
+[run]
+periods = 3000
+[[event]]
+at_period = 800
+epsilon = 3.2e-4
+[sensor]
+jitter_rms = 1e-5
+)";
+  for (const std::uint64_t seed : {70270006U, 71270004U}) {
+    const FitSummary fit = analysed(std::string(clock_b) + scenario, seed).fit;
+    ASSERT_EQ(fit.events.size(), 1U) << seed;
+    EXPECT_EQ(fit.events[0].cycle, 800) << seed;
+    EXPECT_EQ(fit.model.name(), "constant-torque, friction linear, noise jitter") << seed;
+    expect_value(fit, "epsilon", 2.5e-4);
+    expect_value(fit, "epsilon@1", 3.2e-4);
+  }
+}
+
+// The residuals of the first fail the test for white noise, as one log in a hundred does; in the
+// second, chance folds the times into a saw-tooth.
+TEST(NoticedTest, AFreePendulumWhateverTheTestsSay) {
+  constexpr const char* scenario = R"(
+[clock]
+nominal_period = 1.0
+epsilon = 1e-3
+[start]
+amplitude = 0.2
+[run]
+periods = 1500
+[sensor]
+jitter_rms = 1e-5
+)";
+  for (const std::uint64_t seed : {70270015U, 70270018U}) {
+    const FitSummary fit = analysed(scenario, seed).fit;
+    EXPECT_EQ(fit.model.escapement, Escapement::none) << seed;
+    EXPECT_TRUE(fit.events.empty()) << seed;
+    expect_value(fit, "T0", 1.0);
+    expect_value(fit, "epsilon", 1e-3);
+  }
+}
+
 // The course of the rate dates the change some beats off, in some logs twice: the fit tells that
 // one date is enough. The true one is 1500.
 TEST(NoticedTest, AChangeOfFrictionIsOneChange) {

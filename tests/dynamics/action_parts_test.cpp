@@ -13,7 +13,7 @@ namespace {
 constexpr double energy_before = 3.0e-7, energy_after = 1.2e-6; // of phi'^2/2, about the vertical
 
 // An arm that lands at -0.002 rad and leaves at 0.008.
-ClockParameters arm() {
+ClockParameters resting_arm() {
   ClockParameters clock;
   clock.epsilon = 2e-5;
   clock.escapement = Escapement::profile;
@@ -41,7 +41,7 @@ Scenario run_of(const ClockParameters& clock, std::int64_t periods) {
 
 // Without friction v^2 tells the work done: all of it between two turning points on the left.
 TEST(ActionPartsTest, OneActionIsOnePush) {
-  ClockParameters clock = arm();
+  ClockParameters clock = resting_arm();
   clock.epsilon = 0.0;
   clock.every = 4;
   Scenario scenario = run_of(clock, 10);
@@ -61,10 +61,10 @@ TEST(ActionPartsTest, OneActionIsOnePush) {
 }
 
 TEST(ActionPartsTest, TheMapTellsTheSameStoryAsTheIntegrator) {
-  ClockParameters hipp = arm();
+  ClockParameters hipp = resting_arm();
   hipp.every = 1;
   hipp.below = 0.02;
-  for (const ClockParameters& clock : {arm(), hipp}) {
+  for (const ClockParameters& clock : {resting_arm(), hipp}) {
     Scenario scenario = run_of(clock, 2000);
     scenario.drive.fast_rms = 0.1; // an action keeps its factor
     const auto exact = periods_of(scenario, Method::direct),
@@ -76,8 +76,8 @@ TEST(ActionPartsTest, TheMapTellsTheSameStoryAsTheIntegrator) {
 }
 
 TEST(ActionPartsTest, AveragedEquationsKeepBothParts) {
-  const auto exact = periods_of(run_of(arm(), 1500), Method::direct),
-             averaged = periods_of(run_of(arm(), 1500), Method::averaged1);
+  const auto exact = periods_of(run_of(resting_arm(), 1500), Method::direct),
+             averaged = periods_of(run_of(resting_arm(), 1500), Method::averaged1);
   const double drift = averaged.back().time_s.value() - exact.back().time_s.value();
   for (std::size_t i = 0; i < exact.size(); ++i) {
     const double share = static_cast<double>(i + 1) / static_cast<double>(exact.size());
@@ -88,8 +88,8 @@ TEST(ActionPartsTest, AveragedEquationsKeepBothParts) {
 }
 
 TEST(ActionPartsTest, TheCycleCloses) {
-  const auto all = periods_of(run_of(arm(), 15), Method::direct);
-  const auto cycle = limit_cycle(arm());
+  const auto all = periods_of(run_of(resting_arm(), 15), Method::direct);
+  const auto cycle = limit_cycle(resting_arm());
   ASSERT_TRUE(cycle);
   EXPECT_NEAR(all.back().velocity / cycle->velocity, 1.0, 1e-15); // rounding
   EXPECT_NEAR(2.0 * 15.0 / all.back().time_s.value() - 1.0, cycle->rate_excess, 1e-15);
@@ -97,23 +97,23 @@ TEST(ActionPartsTest, TheCycleCloses) {
 
 // Where nothing acts on the left of the vertical, or nothing on the right, crossings cut nothing.
 TEST(ActionPartsTest, OnlyPushesThroughTheVerticalHaveParts) {
-  EXPECT_TRUE(action_parts(arm()));
-  ClockParameters clock = arm();
+  EXPECT_TRUE(action_parts(resting_arm()));
+  ClockParameters clock = resting_arm();
   clock.every = 1;
   EXPECT_FALSE(action_parts(clock)); // it does not rest
-  clock = arm();
+  clock = resting_arm();
   clock.rising = {{{-0.01, 0.0}, {0.0, 0.0}, {0.008, 1e-4}}};
   EXPECT_FALSE(action_parts(clock));
   clock.rising = {{{-0.01, 1e-4}, {0.0, 1e-4}}};
   EXPECT_FALSE(action_parts(clock));
-  clock = arm();
+  clock = resting_arm();
   std::swap(clock.rising, clock.falling); // the swing to the left lies within a period
   EXPECT_FALSE(action_parts(clock));
 }
 
 // ---- events ------------------------------------------------------------------------------------
 
-ClockParameters synchronome() {
+ClockParameters clock_with_arm() {
   ClockParameters clock;
   clock.epsilon = 4e-5;
   clock.escapement = Escapement::single_impulse;
@@ -130,7 +130,7 @@ std::int64_t impulses(const std::vector<Period>& all, std::size_t from, std::siz
 }
 
 TEST(RestingEventsTest, EveryAndBelowMayChange) {
-  Scenario scenario = run_of(synchronome(), 1200);
+  Scenario scenario = run_of(clock_with_arm(), 1200);
   ClockEvent more_often, waits;
   more_often.at_period = 300;
   more_often.every = 5;
@@ -156,7 +156,7 @@ TEST(RestingEventsTest, EveryAndBelowMayChange) {
 
 // What changes between two impulses shows at the next.
 TEST(RestingEventsTest, AnImpulseThatChangesBetweenTwo) {
-  Scenario scenario = run_of(synchronome(), 60);
+  Scenario scenario = run_of(clock_with_arm(), 60);
   const auto before = periods_of(scenario, Method::direct);
   ClockEvent event;
   event.at_period = 22;
@@ -165,7 +165,7 @@ TEST(RestingEventsTest, AnImpulseThatChangesBetweenTwo) {
   for (const Method method : {Method::direct, Method::map, Method::averaged1}) {
     const auto after = periods_of(scenario, method);
     const auto usual =
-        method == Method::direct ? before : periods_of(run_of(synchronome(), 60), method);
+        method == Method::direct ? before : periods_of(run_of(clock_with_arm(), 60), method);
     for (std::size_t i = 0; i < 30; ++i)
       ASSERT_NEAR(after[i].time_s.value(), usual[i].time_s.value(), 1e-14) << i;
     const double lift =

@@ -13,9 +13,9 @@ namespace goingrate {
 namespace {
 
 using Wide = boost::multiprecision::cpp_bin_float_quad;
-using Period = SecondOrderPeriod<Wide>;
+using WidePeriod = SecondOrderPeriod<Wide>;
 
-const Wide pi = second_order::exact_pi<Wide>();
+const Wide wide_pi = second_order::exact_pi<Wide>();
 
 // The slow obvious oracle: Taylor series of fixed order and step, stopped at angles by Newton.
 class Pendulum {
@@ -78,7 +78,7 @@ private:
   Series angles_, speeds_;
 };
 
-Period exact_period(const Wide& eps, const Wide& mu, const Wide& phi0, const Wide& Lambda2) {
+WidePeriod exact_period(const Wide& eps, const Wide& mu, const Wide& phi0, const Wide& Lambda2) {
   Pendulum pendulum(eps, sqrt(Lambda2));
   pendulum.torque = mu;
   pendulum.run_to(phi0, 1);
@@ -87,10 +87,10 @@ Period exact_period(const Wide& eps, const Wide& mu, const Wide& phi0, const Wid
   pendulum.run_to(-phi0, -1);
   pendulum.torque = mu;
   pendulum.run_to(0, 1);
-  return {pendulum.speed() * pendulum.speed() - Lambda2, pendulum.time - 2 * pi};
+  return {pendulum.speed() * pendulum.speed() - Lambda2, pendulum.time - 2 * wide_pi};
 }
 
-Period exact_impulse_period(const Wide& eps, const Wide& e, const Wide& phi1, const Wide& Lambda2) {
+WidePeriod exact_impulse_period(const Wide& eps, const Wide& e, const Wide& phi1, const Wide& Lambda2) {
   Pendulum pendulum(eps, sqrt(Lambda2));
   if (phi1 > 0) pendulum.run_to(phi1, 1);
   if (phi1 >= 0) pendulum.kick(e);
@@ -100,25 +100,25 @@ Period exact_impulse_period(const Wide& eps, const Wide& e, const Wide& phi1, co
     pendulum.kick(e);
   }
   pendulum.run_to(0, 1);
-  return {pendulum.speed() * pendulum.speed() - Lambda2, pendulum.time - 2 * pi};
+  return {pendulum.speed() * pendulum.speed() - Lambda2, pendulum.time - 2 * wide_pi};
 }
 
 // The rate excess at the fixed point of a map Lambda^2 -> period, of friction eps.
 template <class Map> double settled_rate(Map map, double eps, Wide Lambda2) {
   // Newton with the slope of first order: every round gains three digits.
   for (int i = 0; i < 12; ++i)
-    Lambda2 += map(Lambda2).amplitude2_change / (4 * pi * eps);
+    Lambda2 += map(Lambda2).amplitude2_change / (4 * wide_pi * eps);
   const Wide excess = map(Lambda2).period_excess;
-  return static_cast<double>(-excess / (2 * pi + excess));
+  return static_cast<double>(-excess / (2 * wide_pi + excess));
 }
 
 // The errors of a period's time and relative change of Lambda^2, as powers of the scale s of all
 // small terms: from s = 2^-6 to 2^-12, where what is beyond the leading power has died out.
 // `errors` takes sqrt(s), a power of two, so that the scaled parameters are exact.
 template <class Errors> void expect_slope(Errors errors, double slope) {
-  Period last = errors(Wide(0.125));
+  WidePeriod last = errors(Wide(0.125));
   for (const double root : {0.0625, 0.03125, 0.015625}) {
-    const Period next = errors(Wide(root));
+    const WidePeriod next = errors(Wide(root));
     const auto slope_of = [](const Wide& coarse, const Wide& fine) {
       return std::log(std::abs(static_cast<double>(coarse / fine))) / std::log(4.0);
     };
@@ -129,7 +129,7 @@ template <class Errors> void expect_slope(Errors errors, double slope) {
   }
 }
 
-Period difference(const Period& a, const Period& b, const Wide& Lambda2) {
+WidePeriod difference(const WidePeriod& a, const WidePeriod& b, const Wide& Lambda2) {
   return {(a.amplitude2_change - b.amplitude2_change) / Lambda2, a.period_excess - b.period_excess};
 }
 
@@ -188,7 +188,7 @@ TEST(Averaged2Test, RatesAtThePapersPoints) {
         Point{"B", 2.5e-4, 4e-5, 1.960046634308295e-04, 1e-10, 2e-13},
         Point{"C", 1.167245e-4, 1.5e-5, 1.844068077230375e-08, 5e-12, 2e-14}}) {
     SCOPED_TRACE(name);
-    const Wide start = 2 * mu * 0.03 / (pi * eps);
+    const Wide start = 2 * mu * 0.03 / (wide_pi * eps);
     const auto rate = [&, eps = eps, mu = mu](auto map) {
       return settled_rate([&](const Wide& Lambda2) { return map(eps, mu, 0.03, Lambda2); }, eps,
                           start);
@@ -203,7 +203,7 @@ TEST(Averaged2Test, RatesAtThePapersPoints) {
 TEST(Averaged2Test, ImpulseRateMatchesTheFullEquation) {
   // Friction and amplitude of A; first order (eq. blow6) is off by 3e-8 to 5e-8 here.
   const double eps = 2.5e-4, lambda = 0.0390882;
-  const Wide start = lambda * lambda, e = 2 * pi * eps * start;
+  const Wide start = lambda * lambda, e = 2 * wide_pi * eps * start;
   for (const double place : {-0.6, -0.2, 0.0, 0.2, 0.6}) {
     SCOPED_TRACE(place);
     const Wide phi1 = place * lambda;
@@ -215,7 +215,7 @@ TEST(Averaged2Test, ImpulseRateMatchesTheFullEquation) {
           return second_order_impulse_period<Wide>(eps, e, phi1, Lambda2);
         },
         eps, start);
-    // Third order: some (2 pi eps)^2 of the escapement error eps tan psi1, and of lambda^2/16.
+    // Third order: some (2 wide_pi eps)^2 of the escapement error eps tan psi1, and of lambda^2/16.
     EXPECT_NEAR(ours, exact, 7e-11 + 1e-9 * std::abs(place));
   }
 }
@@ -261,7 +261,7 @@ TEST(Averaged2Test, FreePendulumIsThatOfTheEllipticIntegral) {
         4.0 * std::comp_ellint_1(std::sqrt(Lambda2) / 2.0) - 2.0 * std::numbers::pi;
     const auto torque = second_order_period(0.0, 0.0, 0.005, Lambda2);
     const auto impulse = second_order_impulse_period(0.0, 0.0, -0.005, Lambda2);
-    // The first term left out, 2 pi q^5/17000, and the rounding of K.
+    // The first term left out, 2 wide_pi q^5/17000, and the rounding of K.
     const double limit = 4e-4 * std::pow(Lambda2, 5) + 4e-15;
     EXPECT_NEAR(torque.period_excess, exact, limit);
     EXPECT_NEAR(impulse.period_excess, exact, limit);
@@ -274,7 +274,7 @@ TEST(Averaged2Test, DoubleKeepsAllDigitsOfTheExcess) {
   const double eps = 2.5e-4, mu = 2e-5, phi0 = 0.03, Lambda2 = 0.0016;
   const auto near = second_order_period(eps, mu, phi0, Lambda2);
   const auto wide = second_order_period<Wide>(eps, mu, phi0, Lambda2);
-  // Some roundings of the terms of first order, 1e-3 here; 2 pi itself would cost 4e-16.
+  // Some roundings of the terms of first order, 1e-3 here; 2 wide_pi itself would cost 4e-16.
   EXPECT_NEAR(static_cast<double>(near.period_excess - wide.period_excess), 0.0, 2e-18);
   EXPECT_NEAR(static_cast<double>(near.amplitude2_change - wide.amplitude2_change), 0.0, 4e-21);
 }
@@ -288,7 +288,7 @@ TEST(Averaged2Test, AutomaticDerivativesAreThoseOfTheMap) {
       const Wide h = 1e-10 * up[i];
       up[i] += h;
       down[i] -= h;
-      const Period a = map(up[0], up[1], up[2], up[3]), b = map(down[0], down[1], down[2], down[3]);
+      const WidePeriod a = map(up[0], up[1], up[2], up[3]), b = map(down[0], down[1], down[2], down[3]);
       const auto slope = [&](const Wide& high, const Wide& low) {
         return static_cast<double>((high - low) / (2 * h));
       };

@@ -1,6 +1,7 @@
 #include "goingrate/dynamics/clock_run.hpp"
 
 #include "base/scaled_time.hpp"
+#include "dynamics/point_c.hpp"
 #include "goingrate/base/errors.hpp"
 #include "goingrate/dynamics/stationary.hpp"
 
@@ -10,7 +11,7 @@ namespace goingrate {
 namespace {
 
 const ClockParameters clock_a{two_pi, 2.5e-4, 2e-5, 0.03};
-const ClockParameters clock_c{two_pi, 1.167245e-4, 1.5e-5, 0.03};
+using test::clock_c;
 
 Scenario steady(const ClockParameters& clock, std::int64_t periods) {
   Scenario scenario;

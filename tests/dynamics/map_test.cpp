@@ -1,6 +1,7 @@
 #include "goingrate/dynamics/map.hpp"
 
 #include "base/scaled_time.hpp"
+#include "dynamics/point_c.hpp"
 #include "goingrate/base/random.hpp"
 #include "goingrate/dynamics/stationary.hpp"
 #include "support/noisy_oracle.hpp"
@@ -10,9 +11,7 @@
 namespace goingrate {
 namespace {
 
-const ClockParameters clock_c{two_pi, 1.167245e-4, 1.5e-5, 0.03};
-constexpr double velocity_c = 0.0495414393471760923604;
-constexpr long double excess_c = 6.28318519131337413067658L - 6.28318530717958647692529L;
+using test::clock_c, test::velocity_c, test::excess_c;
 const FactorRange noisy{1.0 - 7 * 0.3, 1.0 + 7 * 0.3};
 
 using test::error_of;

@@ -110,14 +110,14 @@ TEST(NominalRateTest, NoneWithTooLittleFrictionOrBeyondTheTop) {
 
 // ---- operating points --------------------------------------------------------------------------
 
-struct Point {
+struct KnownRate {
   const char* name;
   double epsilon, mu;
   double velocity, rate; // 128-bit values
 };
-constexpr Point A{"A", 2.5e-4, 2e-5, 0.0390886300401325117257, 1.133264436573979e-04};
-constexpr Point B{"B", 2.5e-4, 4e-5, 0.0552840336990741440991, 1.960046634308295e-04};
-constexpr Point C{"C", 1.167245e-4, 1.5e-5, 0.0495414393471760923604, 1.844068077230375e-08};
+constexpr KnownRate at_a{"A", 2.5e-4, 2e-5, 0.0390886300401325117257, 1.133264436573979e-04};
+constexpr KnownRate at_b{"B", 2.5e-4, 4e-5, 0.0552840336990741440991, 1.960046634308295e-04};
+constexpr KnownRate at_c{"C", 1.167245e-4, 1.5e-5, 0.0495414393471760923604, 1.844068077230375e-08};
 
 // The relative distance of two points, largest of all quantities; rates as parts of epsilon.
 double distance(const OperatingPoint& a, const OperatingPoint& b) {
@@ -145,10 +145,10 @@ void expect_round_trips(const OperatingPoint& p, double phi0, Equations equation
   }
 }
 
-class OperatingPointTest : public testing::TestWithParam<Point> {};
+class OperatingPointTest : public testing::TestWithParam<KnownRate> {};
 
 TEST_P(OperatingPointTest, RoundTripOfAllPairs) {
-  const Point& p = GetParam();
+  const KnownRate& p = GetParam();
   const auto exact = operating_points({p.epsilon, p.mu, {}, {}}, 0.03, Equations::exact);
   ASSERT_EQ(exact.size(), 1u);
   EXPECT_NEAR(exact[0].amplitude, p.velocity, 1e-15); // as limit_cycle promises
@@ -160,7 +160,7 @@ TEST_P(OperatingPointTest, RoundTripOfAllPairs) {
   expect_round_trips(first[0], 0.03, Equations::first_order, 1e-13); // roundings of a rate near 0
 }
 
-INSTANTIATE_TEST_SUITE_P(Points, OperatingPointTest, testing::Values(A, B, C),
+INSTANTIATE_TEST_SUITE_P(Points, OperatingPointTest, testing::Values(at_a, at_b, at_c),
                          [](const auto& scene) { return scene.param.name; });
 
 TEST(OperatingPointsTest, RoundTripsInAWideRegion) {

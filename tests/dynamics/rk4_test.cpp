@@ -1,6 +1,7 @@
 #include "goingrate/dynamics/rk4.hpp"
 
 #include "base/scaled_time.hpp"
+#include "dynamics/point_c.hpp"
 #include "goingrate/base/errors.hpp"
 #include "goingrate/dynamics/stationary.hpp"
 
@@ -14,10 +15,11 @@
 namespace goingrate {
 namespace {
 
-// Point C of the paper; rate and velocity of its limit cycle in 128-bit arithmetic.
+using test::velocity_c;
+
+// Point C of the paper; the rate of its limit cycle in 128-bit arithmetic.
 constexpr double eps_c = 1.167245e-4, mu_c = 1.5e-5, phi0_c = 0.03;
 constexpr double rate_c = 1.844068077230375e-08;
-constexpr double velocity_c = 0.0495414393471760923604;
 
 // Rate excess of a period given by what it has over 2 pi.
 double rate_for(double excess) { return -excess / (two_pi + excess); }

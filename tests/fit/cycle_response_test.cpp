@@ -19,7 +19,7 @@ ClockParameters dragged() {
   clock.quadratic_drag = 3e-3;
   return clock;
 }
-ClockParameters struck() {
+ClockParameters struck_clock() {
   ClockParameters clock;
   clock.nominal_period_s = 1.0;
   clock.epsilon = 1e-3;
@@ -156,7 +156,7 @@ TEST_P(CycleResponseTest, BeyondTheSpeedsThatAreKnownTheLastOneHolds) {
   EXPECT_NEAR(follow_later / follow, 1.0, rounding);
 }
 
-INSTANTIATE_TEST_SUITE_P(Laws, CycleResponseTest, testing::Values(low_q, dragged, struck));
+INSTANTIATE_TEST_SUITE_P(Laws, CycleResponseTest, testing::Values(low_q, dragged, struck_clock));
 
 // At the true parameters the joint step of scoring, in units of its sigma, has mean 0. Without
 // amplitudes T0 and phi0 are not known to such a log, and there is nothing to test.

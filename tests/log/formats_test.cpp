@@ -4,6 +4,8 @@
 #include "log/calendar.hpp"
 #include "log/unwrapper.hpp"
 
+#include "log/assumed.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -15,6 +17,8 @@
 
 namespace goingrate {
 namespace {
+
+using test::says;
 
 // Crossings every 2.0001 s on a grid of 0.1 us, from 2013-02-22 23:38:00.2279906 UTC on.
 std::int64_t crossing_in_tenths_of_us(int i) {
@@ -41,11 +45,6 @@ void expect_same_steps(const ClockLog& log, const std::vector<std::int64_t>& tic
                 1e-7 * static_cast<double>(ticks[i] - ticks[0]),
                 within_s + 3e-14) // two roundings of a double of two minutes
         << "event " << i;
-}
-
-bool says(const ClockLog& log, std::string_view part) {
-  return std::any_of(log.assumptions.begin(), log.assumptions.end(),
-                     [&](const Assumption& a) { return a.text.find(part) != a.text.npos; });
 }
 
 struct Wild {

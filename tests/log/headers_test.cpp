@@ -2,6 +2,8 @@
 #include "goingrate/base/errors.hpp"
 #include "goingrate/log/reading.hpp"
 
+#include "log/assumed.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -11,6 +13,8 @@
 
 namespace goingrate {
 namespace {
+
+using test::says;
 
 constexpr int lines = 40;           // of each log here
 constexpr double rounding_s = 1e-9; // of sums of decimal numbers with four places
@@ -35,11 +39,6 @@ int time_of(int i) {
 
 std::string with_comma(int ten_thousandths) {
   return fmt::format("{},{:04d}", ten_thousandths / 10000, ten_thousandths % 10000);
-}
-
-bool says(const ClockLog& log, std::string_view part) {
-  return std::any_of(log.assumptions.begin(), log.assumptions.end(),
-                     [&](const Assumption& a) { return a.text.find(part) != a.text.npos; });
 }
 
 std::string refusal(const std::string& text, const ReadingOptions& options = {}) {

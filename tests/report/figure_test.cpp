@@ -6,6 +6,8 @@
 #include "markup_checks.hpp"
 #include "report/figure_axes.hpp"
 
+#include "support/nan.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -18,7 +20,7 @@ namespace {
 
 using test::count_of;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+using test::nan;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 using Style = Series::Style;
 

@@ -4,13 +4,14 @@
 
 #include "goingrate/base/errors.hpp"
 
+#include "support/nan.hpp"
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <limits>
 #include <string>
 #include <unistd.h>
 
@@ -21,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+using test::nan;
 
 std::size_t lines_with(const std::string& text, const std::string& what) {
   std::size_t count = 0;

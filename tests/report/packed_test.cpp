@@ -3,6 +3,8 @@
 #include "report/packed.hpp"
 #include "report/page_data.hpp"
 
+#include "support/nan.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -14,7 +16,7 @@
 namespace goingrate {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+using test::nan;
 
 std::string bytes_of(const std::string& base64) {
   std::string bytes;

@@ -1,15 +1,13 @@
 // A report with something in every part, made by hand.
 #pragma once
 
+#include "support/nan.hpp"
 #include "goingrate/report/report.hpp"
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
 namespace goingrate::test {
-
-inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 inline std::vector<Beat> swinging_beats(std::size_t count, bool with_amplitude) {
   std::vector<Beat> beats;

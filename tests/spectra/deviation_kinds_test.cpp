@@ -1,8 +1,9 @@
 // Every kind of deviation against its definition, published values and simulations.
+#include "support/nan.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -17,7 +18,7 @@ namespace {
 
 using test::simulated_phase;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+using test::nan;
 
 // The definitions as they stand, in long double.
 using Wide = long double;

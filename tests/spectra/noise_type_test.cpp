@@ -4,9 +4,10 @@
 #include "spectra/degrees_of_freedom.hpp"
 #include "spectra/noise_type.hpp"
 
+#include "support/nan.hpp"
+
 #include <array>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -17,7 +18,7 @@
 namespace goingrate {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+using test::nan;
 
 // Phase with S_y ~ f^alpha: white noise through the fractional integrator (1 - z^-1)^(-beta/2),
 // beta = 2 - alpha (N. J. Kasdin, Proc. IEEE 83 (1995) 802). The first half is run-in.

@@ -1,6 +1,8 @@
 // Fourier transforms compared with the defining sum; Welch spectra with levels known beforehand.
 #include "goingrate/spectra/spectrum.hpp"
 
+#include "support/nan.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -17,7 +19,7 @@
 namespace goingrate {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+using test::nan;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 std::vector<double> white_noise(std::size_t points, std::uint64_t seed) {

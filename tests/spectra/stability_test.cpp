@@ -1,6 +1,8 @@
 // Allan deviations against published tables, slow obvious sums and simulated clocks.
 #include "goingrate/spectra/stability.hpp"
 
+#include "support/nan.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -22,7 +24,7 @@ namespace {
 
 using test::simulated_phase;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+using test::nan;
 
 std::vector<double> values(DeviationKind kind, std::span<const double> phase, double tau0,
                            std::vector<std::size_t> factors) {
