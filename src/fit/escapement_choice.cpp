@@ -216,7 +216,11 @@ std::vector<ModelSearch::EqualLaws> ModelSearch::choose_laws(const std::vector<F
   };
   const auto best = std::min_element(
       all.begin(), all.end(), [&](const auto& a, const auto& b) { return loss(a) < loss(b); });
-  constexpr double least_gain = 3.0; // in L, for other laws to be preferred: odds of 20 to 1
+  // In L. A change of the drive or the friction shows a jump and a relaxation besides what a change
+  // of T0 shows: laws that explain the log are left only for a gain above Schwarz's price of these
+  // two.
+  const double least_gain =
+      explains(all.front().fitted) ? std::log(static_cast<double>(working_.data.size())) : 0.0;
   if (best == all.begin() || loss(*best) > loss(all.front()) - least_gain) return equal_laws(all);
   take_laws(*best);
   std::iter_swap(all.begin(), best);
