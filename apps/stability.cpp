@@ -45,14 +45,15 @@ PhaseSeries phase_of(const StabilityCommand& options, const NumberedLog& loaded)
   return series;
 }
 
+const std::vector<std::string> words_for_taus{"octave", "decade", "all"};
+
 std::vector<double> averaging_times(const std::string& taus) {
   try {
     return numbers_in("taus", taus);
   } catch (const ArgumentError&) {
-    static const std::vector<std::string> words{"octave", "decade", "all"};
     throw ArgumentError("taus", taus,
                         "octave, decade, all, or numbers in seconds, such as 3,30,300" +
-                            meant_instead(taus, words));
+                            meant_instead(taus, words_for_taus));
   }
 }
 
@@ -110,7 +111,7 @@ void add_settings(CLI::App& command, StabilityCommand& options) {
                                "averaging times: octave, decade, all, or a list in seconds "
                                "(3,30,300)")
                    ->capture_default_str();
-  offers(taus, {"octave", "decade", "all"});
+  offers(taus, words_for_taus);
   command
       .add_option("--alpha", options.alpha,
                   "noise assumed at every averaging time, 2 (jitter) to -4; identified if not "

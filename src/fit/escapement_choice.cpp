@@ -179,7 +179,7 @@ Fitted ModelSearch::wholly_fitted(const Fitted& rough, const FitOptions& options
 
 // Fits of the present laws and of each alternative to the same beats. Kinds of changes are always
 // compared: one of the wrong kind may explain a log, and be far behind the right one. Another
-// escapement is tried only where none of the changes explains the log. An alternative counts if its
+// escapement is tried only where the present laws do not explain it. An alternative counts if its
 // residuals are no larger than the jitter. They need not be white: of many tests, some fail by
 // chance.
 std::vector<ModelSearch::FittedLaws> ModelSearch::compared_laws(const Laws& here) const {
@@ -222,19 +222,20 @@ std::vector<ModelSearch::EqualLaws> ModelSearch::choose_laws(const std::vector<F
   const double least_gain =
       explains(all.front().fitted) ? std::log(static_cast<double>(working_.data.size())) : 0.0;
   if (best == all.begin() || loss(*best) > loss(all.front()) - least_gain) return equal_laws(all);
-  take_laws(*best);
-  std::iter_swap(all.begin(), best);
+  if (take_laws(*best)) std::iter_swap(all.begin(), best);
   return equal_laws(all);
 }
 
-void ModelSearch::take_laws(const FittedLaws& better) {
+// False, with the present laws kept, if a search on all beats does not arrive.
+bool ModelSearch::take_laws(const FittedLaws& better) {
   FitOptions options = dated_as(better.fitted, better.laws.options);
   Fitted other = fit_from_scratch(working_.data, options, better.laws.model, guess_);
-  if (!other.minimum.usable) return;
+  if (!other.minimum.usable) return false;
   tried(best_, "the next comes nearer to the log");
   best_ = std::move(other);
   options_ = std::move(options);
   move_dates(best_, options_);
+  return true;
 }
 
 // Other changes at the same dates that explain the log as well as the first of `compared`, to three

@@ -93,7 +93,7 @@ private:
   [[nodiscard]] Fitted wholly_fitted(const Fitted& rough, const FitOptions& options) const;
   [[nodiscard]] std::vector<FittedLaws> compared_laws(const Laws& here) const;
   std::vector<EqualLaws> choose_laws(const std::vector<FitEvent>& found);
-  void take_laws(const FittedLaws& better);
+  bool take_laws(const FittedLaws& better);
   /// `compared`: the chosen laws first.
   [[nodiscard]] std::vector<EqualLaws> equal_laws(const std::vector<FittedLaws>& compared) const;
   [[nodiscard]] bool prefers_no_escapement(const ModelChoice& driven, ModelChoice& chosen);

@@ -58,9 +58,9 @@ double explained_by_sine(const std::vector<double>& means);
 /// The places of regular pushes, from one before the log to one after it.
 std::vector<double> regular_pushes(std::size_t first, std::size_t n, double last);
 
-/// A mean and its standard deviation, which allows for neighbouring cycles that err alike: they share
-/// values in their slow parts, and a slow wander moves both. If they seem to err in opposite ways,
-/// that is taken for chance.
+/// A mean and its standard deviation, which allows for neighbouring cycles that err alike: they
+/// share values in their slow parts, and a slow wander moves both. If they seem to err in opposite
+/// ways, that is taken for chance.
 ImpulseCycle::Estimate mean_of(const std::vector<double>& each);
 
 /// Coefficients of the shapes with standard deviations from their scatter from cycle to cycle,

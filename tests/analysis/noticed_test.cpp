@@ -62,8 +62,9 @@ TEST(NoticedTest, AChangeOfFrictionAndItsDate) {
   }
 }
 
-// In these two logs a change of μ explains the times to within their jitter, with a clock far from
-// the true one, and a date three beats off hides the right kind.
+// In these two logs another change explains the times to within their jitter, of the impulse in one
+// and of μ in the other, in a clock far from the true one. A date three beats off hides the right
+// kind.
 TEST(NoticedTest, AChangeOfFrictionThatAnotherExplainsToo) {
   constexpr const char* scenario = R"(
 [run]

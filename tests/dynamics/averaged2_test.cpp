@@ -90,7 +90,8 @@ WidePeriod exact_period(const Wide& eps, const Wide& mu, const Wide& phi0, const
   return {pendulum.speed() * pendulum.speed() - Lambda2, pendulum.time - 2 * wide_pi};
 }
 
-WidePeriod exact_impulse_period(const Wide& eps, const Wide& e, const Wide& phi1, const Wide& Lambda2) {
+WidePeriod exact_impulse_period(const Wide& eps, const Wide& e, const Wide& phi1,
+                                const Wide& Lambda2) {
   Pendulum pendulum(eps, sqrt(Lambda2));
   if (phi1 > 0) pendulum.run_to(phi1, 1);
   if (phi1 >= 0) pendulum.kick(e);
@@ -215,7 +216,7 @@ TEST(Averaged2Test, ImpulseRateMatchesTheFullEquation) {
           return second_order_impulse_period<Wide>(eps, e, phi1, Lambda2);
         },
         eps, start);
-    // Third order: some (2 wide_pi eps)^2 of the escapement error eps tan psi1, and of lambda^2/16.
+    // Third order: some (2 pi eps)^2 of the escapement error eps tan psi1, and of lambda^2/16.
     EXPECT_NEAR(ours, exact, 7e-11 + 1e-9 * std::abs(place));
   }
 }
@@ -261,7 +262,7 @@ TEST(Averaged2Test, FreePendulumIsThatOfTheEllipticIntegral) {
         4.0 * std::comp_ellint_1(std::sqrt(Lambda2) / 2.0) - 2.0 * std::numbers::pi;
     const auto torque = second_order_period(0.0, 0.0, 0.005, Lambda2);
     const auto impulse = second_order_impulse_period(0.0, 0.0, -0.005, Lambda2);
-    // The first term left out, 2 wide_pi q^5/17000, and the rounding of K.
+    // The first term left out, 2 pi q^5/17000, and the rounding of K.
     const double limit = 4e-4 * std::pow(Lambda2, 5) + 4e-15;
     EXPECT_NEAR(torque.period_excess, exact, limit);
     EXPECT_NEAR(impulse.period_excess, exact, limit);
@@ -274,7 +275,7 @@ TEST(Averaged2Test, DoubleKeepsAllDigitsOfTheExcess) {
   const double eps = 2.5e-4, mu = 2e-5, phi0 = 0.03, Lambda2 = 0.0016;
   const auto near = second_order_period(eps, mu, phi0, Lambda2);
   const auto wide = second_order_period<Wide>(eps, mu, phi0, Lambda2);
-  // Some roundings of the terms of first order, 1e-3 here; 2 wide_pi itself would cost 4e-16.
+  // Some roundings of the terms of first order, 1e-3 here; 2 pi itself would cost 4e-16.
   EXPECT_NEAR(static_cast<double>(near.period_excess - wide.period_excess), 0.0, 2e-18);
   EXPECT_NEAR(static_cast<double>(near.amplitude2_change - wide.amplitude2_change), 0.0, 4e-21);
 }
@@ -288,7 +289,8 @@ TEST(Averaged2Test, AutomaticDerivativesAreThoseOfTheMap) {
       const Wide h = 1e-10 * up[i];
       up[i] += h;
       down[i] -= h;
-      const WidePeriod a = map(up[0], up[1], up[2], up[3]), b = map(down[0], down[1], down[2], down[3]);
+      const WidePeriod a = map(up[0], up[1], up[2], up[3]),
+                       b = map(down[0], down[1], down[2], down[3]);
       const auto slope = [&](const Wide& high, const Wide& low) {
         return static_cast<double>((high - low) / (2 * h));
       };

@@ -1,4 +1,4 @@
-// Point C of the paper in units of its period: the clock, and its limit cycle in 128-bit arithmetic.
+// Point C of the paper, with T0 = 2 pi s: the clock, and its limit cycle in 128-bit arithmetic.
 #pragma once
 
 #include "base/scaled_time.hpp"
