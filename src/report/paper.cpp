@@ -52,6 +52,7 @@ PaperResults recompute_paper(const PaperOptions& options) {
   add_stationary(results.numbers);
   add_jump(results.numbers);
   add_long_run(noisy, results.numbers);
+  add_numerics(results.numbers);
   tell("1000 runs of the driving noise");
   const NoiseStatistics noise = noise_statistics(options);
   add_noise_statistics(noise, results.numbers);

@@ -17,7 +17,7 @@ struct Chapter {
   std::string_view id, title, words;
   std::array<Equation, 6> equations;
   std::array<std::string_view, 2> wheres;  ///< PaperNumber::where
-  std::array<std::string_view, 3> figures; ///< PaperFigure::name
+  std::array<std::string_view, 4> figures; ///< PaperFigure::name
 };
 
 std::span<const Chapter> chapters();

@@ -172,16 +172,6 @@ void add_long_run(const NoisyRun& noisy, std::vector<PaperNumber>& numbers) {
   numbers.push_back({"the same in a year", "Sec. VI", "0.3 s/yr", year_s * rk4, year_s * exact,
                      "s/yr", "the same"});
   add_secular(noisy, numbers);
-  const auto by_rk4 = [&](const char* when, Rk4Torque torque, const char* why) {
-    numbers.push_back({fmt::format("gain at C by RK4, the torque chosen {}", when), "App. D",
-                       "1e-8", rk4_rate(point_c(), torque), exact, "", why});
-  };
-  by_rk4("once a step", Rk4Torque::per_step,
-         "the switch comes half a step late: first order, 300 times too much");
-  by_rk4("in each stage", Rk4Torque::per_stage,
-         "the switch is displaced within its step, early as often as late");
-  by_rk4("at the switch, where the step is cut", Rk4Torque::at_switches,
-         "the phase error -dt⁴/120, and the swing that RK4 loses");
 }
 
 std::vector<PaperFigure> long_run_figures(const NoisyRun& noisy) {

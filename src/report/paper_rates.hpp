@@ -31,6 +31,8 @@ void add_stationary(std::vector<PaperNumber>& numbers);
 void add_jump(std::vector<PaperNumber>& numbers);
 void add_long_run(const NoisyRun& noisy, std::vector<PaperNumber>& numbers);
 void add_noise_statistics(const NoiseStatistics& noise, std::vector<PaperNumber>& numbers);
+/// Numbers for the paper's numerical issues: how RK4 switches the torque, how crossings are found.
+void add_numerics(std::vector<PaperNumber>& numbers);
 /// Numbers for what the paper states in words or leaves to the reader.
 void add_statements(std::vector<PaperNumber>& numbers);
 /// The exact rate at C and the second-order parts that add up to it.

@@ -90,6 +90,38 @@ TEST(PaperTest, TheJumpIsThatOfTheReferences) {
   EXPECT_NEAR(diamonds.y.front(), 1.133210552128862e-4, 1e-13); // the sum of 100 excesses
 }
 
+TEST(PaperTest, TheRateFollowsAChangeOfFrictionSlowly) {
+  const PaperResults& results = short_run();
+  const PaperNumber& torque = number(results,
+                                     "share of its change that the rate shows in the first period "
+                                     "after the torque jumps from A to B");
+  EXPECT_NEAR(torque.ours, (3.2201382327e-4 - 1.1332644e-4) / (1.9600466e-4 - 1.1332644e-4),
+              1e-6); // the digits of the references
+  const PaperNumber& friction = number(results, "the same, the friction of A halved");
+  // lambda^2 goes 2 pi epsilon of its way in half a period; the rate, less steep there than in the
+  // mean, goes less.
+  for (const double share : {friction.by_paper, friction.ours}) {
+    EXPECT_GT(share, 0.0);
+    EXPECT_LT(share, 2.0 * std::numbers::pi * 1.25e-4);
+  }
+  const PaperNumber& half = number(results, "periods until the rate has gone half of that way");
+  EXPECT_EQ(half.ours, half.by_paper);
+  // lambda^2 takes ln 2/(4 pi epsilon) = 441 periods for half its way, the rate longer, as it is
+  // less steep at first; lambda itself would relax in twice that.
+  EXPECT_GT(half.ours, 441.0);
+  EXPECT_LT(half.ours, 882.0);
+}
+
+TEST(PaperTest, CrossingsAlongAStraightLineAreNoisy) {
+  const PaperResults& results = short_run();
+  const PaperNumber& free =
+      number(results, "rms noise of a period's rate by RK4, without drive and friction");
+  // The free swing is 1.5e-4 slow, so its crossings fall on other places of their steps.
+  EXPECT_NEAR(free.by_paper / free.ours, 1.0, 0.03);
+  EXPECT_GT(number(results, "the same at C, the torque chosen in each stage").by_paper,
+            2.0 * free.by_paper);
+}
+
 TEST(PaperTest, ThePartsOfTheBudgetMakeTheWhole) {
   const auto& budget = short_run().budget;
   ASSERT_EQ(budget.size(), 11u);
@@ -255,7 +287,7 @@ TEST(PaperTest, EveryFigureHasItsData) {
     names.insert(figure.name);
   EXPECT_EQ(names,
             (std::set<std::string>{"amplitude_phase", "modesc", "rate", "jump_zoom", "jump_rate",
-                                   "jump_amplitude", "quasistat_gain", "quasistat_model",
+                                   "jump_amplitude", "jump_friction", "quasistat_gain", "quasistat_model",
                                    "noise_growth", "impulse", "optdriv_place", "optdriv_width",
                                    "moments", "harmonics", "length"}));
   for (const PaperFigure& figure : results.figures)

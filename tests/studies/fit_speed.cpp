@@ -109,7 +109,7 @@ void solver_alone(const std::string& path) {
     x.resize(problem.parameters.free_count);
     const Minimum minimum = minimise(problem, x, {100, 1e-4, 1e4});
     const auto at = evaluate(problem, minimum.x);
-    const Certainty known = certainty(problem, *at, {});
+    const Certainty known = certainty(problem, minimum.x, *at, {});
     const std::chrono::duration<double, std::milli> time = ThreadClock::now() - begin;
     times.push_back(time.count());
     if (i == 0)
