@@ -1,6 +1,8 @@
 // The data of a fit, from a log: times, amplitudes, and the covariates that may drive the rate.
 #include "goingrate/analysis/analyse.hpp"
 
+#include "rounding.hpp"
+
 #include "causes/reading_errors.hpp"
 #include "fit/fit_setup.hpp"
 #include "goingrate/causes/covariates.hpp"
@@ -180,6 +182,7 @@ std::optional<ImpulseCycle> pushes_of(const TimingData& data) {
 // Pushes once in N swings, or else wheels of the train, which are subtracted. What a wheel does may
 // pass for pushes once in many of its turns.
 void find_what_recurs(TimingData& data) {
+  if (!data.has_amplitude() && rounding_explains(data)) return;
   data.impulses = pushes_of(data);
   TimingData without = data;
   level_wheels(without);

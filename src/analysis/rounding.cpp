@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace goingrate {
@@ -12,9 +13,16 @@ namespace {
 
 using std::numbers::pi;
 
-double grain_of(const TimingData& times) {
+// The logger's steps, s; 0 for times that lie on no grid of decimals.
+double logger_grain(const TimingData& times) {
   return time_grain(std::min(times.size(), times_for_grain), times.reference_period_s,
                     [&](std::size_t i) { return times.elapsed_s[i]; });
+}
+
+// The steps of the last lateness, s: it is the difference of two times, each with those of a double.
+double double_grain(const TimingData& times) {
+  const double last_s = std::abs(times.elapsed_s.back());
+  return 2.0 * (std::nextafter(last_s, std::numeric_limits<double>::infinity()) - last_s);
 }
 
 // The slope of the straight line through the latenesses, seconds per cycle.
@@ -48,12 +56,13 @@ double spread_about_line(const TimingData& times) {
 
 bool rounding_explains(const TimingData& times) {
   constexpr double allowed_steps = 1.05; // more than 1: the least-squares line is not the best one
-  return spread_about_line(times) <= allowed_steps * grain_of(times);
+  const double grain_s = std::max(logger_grain(times), double_grain(times));
+  return spread_about_line(times) <= allowed_steps * grain_s;
 }
 
 std::vector<SpectralLine> without_rounding(std::vector<SpectralLine> lines,
                                            const TimingData& times) {
-  const double grain_s = grain_of(times), period_s = times.reference_period_s;
+  const double grain_s = logger_grain(times), period_s = times.reference_period_s;
   if (grain_s == 0.0) return lines;
   const double cycles = std::max(1.0, times.cycle.back());
   // A walk whose rms is a third of its range and s steps turns the k-th wave by ks in the log: its

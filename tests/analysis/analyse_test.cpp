@@ -87,6 +87,21 @@ TEST(AnalyseTest, ACoarseLoggerShowsNoChange) {
   }
 }
 
+// Steady times with nothing but the rounding of a double, or of the last decimal, in them.
+TEST(AnalyseTest, AnExactLogShowsNoWheelAndNoPushes) {
+  for (const double period_s : {0.4, 1.99977337279554, 2.0003, 15.0}) {
+    std::string text;
+    for (int n = 0; n < 3001; ++n)
+      text += fmt::format("{:.15f}\n", n * period_s);
+    LoadRequest request;
+    request.path = "exact";
+    const Analysis data = analyse(load_text(text, request), without_profiles());
+    EXPECT_FALSE(data.fit.impulses) << period_s;
+    EXPECT_TRUE(data.suspicions.empty()) << period_s;
+    EXPECT_TRUE(data.diary.changes.empty()) << period_s;
+  }
+}
+
 // A clock whose times walk, seen by a logger of whole milliseconds: the pattern of the rounding
 // drifts with the rate. A wheel that moves the times by a step and a half is told all the same.
 TEST(AnalyseTest, ACoarseLoggerShowsNoWheel) {
