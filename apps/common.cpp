@@ -45,7 +45,6 @@ CLI::Validator seed_range() {
 void say(const GlobalOptions& global, std::string_view line) {
   if (global.quiet) return;
   // In a file or a pipe a note stays on one line, for programs that read it.
-  constexpr std::size_t line_columns = 80;
   const std::string shown = printable(line);
   if (!error_is_terminal()) {
     std::fputs((shown + '\n').c_str(), stderr);

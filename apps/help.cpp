@@ -175,7 +175,7 @@ public:
 
 private:
   static std::string entry(const std::string& name, const std::string& description) {
-    constexpr std::size_t line_columns = 80, description_column = 30;
+    constexpr std::size_t description_column = 30;
     std::string text = wrapped("  " + name, line_columns, 4);
     if (description.empty()) return text + '\n';
     const std::string indent(description_column, ' ');

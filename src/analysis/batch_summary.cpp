@@ -1,5 +1,6 @@
 #include "goingrate/analysis/batch_summary.hpp"
 
+#include "base/special_values.hpp"
 #include "batch_file.hpp"
 #include "goingrate/base/errors.hpp"
 
@@ -12,9 +13,7 @@ namespace goingrate {
 
 namespace {
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-
-double number(const Json& json, const char* key, double otherwise = unknown) {
+double number(const Json& json, const char* key, double otherwise = not_known) {
   const auto found = json.find(key);
   return found == json.end() || !found->is_number() ? otherwise : found->get<double>();
 }
@@ -27,7 +26,7 @@ const Json& part(const Json& json, const char* key) {
 
 // The quantile, linear between the neighbours.
 double quantile(std::vector<double>& values, double share) {
-  if (values.empty()) return unknown;
+  if (values.empty()) return not_known;
   std::sort(values.begin(), values.end());
   const double place = share * static_cast<double>(values.size() - 1);
   const auto below = static_cast<std::size_t>(place);
@@ -44,9 +43,9 @@ struct Moments {
     mean += before / static_cast<double>(count);
     sum2 += before * (x - mean);
   }
-  [[nodiscard]] double mean_or_nan() const { return count > 0 ? mean : unknown; }
+  [[nodiscard]] double mean_or_nan() const { return count > 0 ? mean : not_known; }
   [[nodiscard]] double sd() const {
-    return count > 1 ? std::sqrt(sum2 / static_cast<double>(count - 1)) : unknown;
+    return count > 1 ? std::sqrt(sum2 / static_cast<double>(count - 1)) : not_known;
   }
 };
 
@@ -82,16 +81,16 @@ public:
   ParameterScore score(const std::string& name) {
     ParameterScore score;
     score.name = name;
-    score.truth = pulls_.count > 0 ? truth_ : unknown;
+    score.truth = pulls_.count > 0 ? truth_ : not_known;
     score.determined = values_.size();
     score.undetermined = undetermined_;
     const auto judged = static_cast<double>(pulls_.count);
-    score.within68 = pulls_.count > 0 ? static_cast<double>(within68_) / judged : unknown;
-    score.within95 = pulls_.count > 0 ? static_cast<double>(within95_) / judged : unknown;
+    score.within68 = pulls_.count > 0 ? static_cast<double>(within68_) / judged : not_known;
+    score.within95 = pulls_.count > 0 ? static_cast<double>(within95_) / judged : not_known;
     score.mean_pull = pulls_.mean_or_nan();
     score.sd_pull = pulls_.sd();
     score.scatter = scatter_.sd();
-    score.rms_error = pulls_.count > 0 ? std::sqrt(error2_ / judged) : unknown;
+    score.rms_error = pulls_.count > 0 ? std::sqrt(error2_ / judged) : not_known;
     score.median = quantile(values_, 0.5);
     score.median_sigma = quantile(sigmas_, 0.5);
     return score;
@@ -171,7 +170,7 @@ private:
       const auto name = parameter.at("name").get<std::string>();
       const auto known = truth_.find(name);
       const auto tally =
-          tallies_.try_emplace(name, known == truth_.end() ? unknown : known->second).first;
+          tallies_.try_emplace(name, known == truth_.end() ? not_known : known->second).first;
       tally->second.add(parameter, event_of(name) == 0 || same_events);
     }
   }

@@ -1,5 +1,6 @@
 #include "goingrate/analysis/compare.hpp"
 
+#include "base/special_values.hpp"
 #include "goingrate/analysis/analyse.hpp"
 #include "goingrate/base/errors.hpp"
 
@@ -16,8 +17,6 @@ namespace {
 
 constexpr std::size_t fewest_common = 64, most_blocks = 240;
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-
 /// Interpolates a series with one value per beat linearly; NaN where more than one beat is missing.
 /// Times must be asked for in rising order.
 class Between {
@@ -29,7 +28,7 @@ public:
     while (i_ + 2 < beats_.size() && beats_[i_ + 1].time <= time)
       ++i_;
     const Beat &before = beats_[i_], &after = beats_[i_ + 1];
-    if (after.cycle - before.cycle > most_cycles) return unknown;
+    if (after.cycle - before.cycle > most_cycles) return not_known;
     return std::lerp(values_[i_], values_[i_ + 1],
                      (time - before.time) / (after.time - before.time));
   }
@@ -158,7 +157,7 @@ double correlation(std::span<const double> a, std::span<const double> b) {
     bb += (b[i] - mean_b) * (b[i] - mean_b);
     ab += (a[i] - mean_a) * (b[i] - mean_b);
   }
-  return aa > 0.0 && bb > 0.0 ? ab / std::sqrt(aa * bb) : unknown;
+  return aa > 0.0 && bb > 0.0 ? ab / std::sqrt(aa * bb) : not_known;
 }
 
 std::vector<double> difference(const std::vector<double>& a, const std::vector<double>& b) {
@@ -283,7 +282,7 @@ std::vector<double> block_rates_of(std::span<const double> error_s, double step_
     const bool is_seen = to - from > half; // of the block
     rates.push_back(is_seen ? (error_s[to] - error_s[from]) /
                                   (step_s * static_cast<double>(to - from))
-                            : unknown);
+                            : not_known);
   }
   return rates;
 }

@@ -3,6 +3,7 @@
 #include "goingrate/analysis/analyse.hpp"
 
 #include "base/scaled_time.hpp"
+#include "base/special_values.hpp"
 #include "causes/rate_step.hpp"
 
 #include <algorithm>
@@ -13,7 +14,6 @@ namespace goingrate {
 
 namespace {
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double alike_sigma = 2.0, tell_apart_sigma = 3.0;
 
 std::optional<ChangeKind> kind_of(LogbookWord word) {
@@ -73,8 +73,8 @@ Change change_at(double at_s, std::span<const Beat> beats) {
   });
   change.cycle = beat->cycle;
   change.at_s = beat->time - beats.front().time;
-  change.rate_change = change.rate_change_sigma = unknown;
-  change.amplitude_slope_change = unknown;
+  change.rate_change = change.rate_change_sigma = not_known;
+  change.amplitude_slope_change = not_known;
   change.stands_out = false;
   return change;
 }

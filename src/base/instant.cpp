@@ -26,7 +26,7 @@ namespace {
 
 __extension__ typedef unsigned __int128 Wide; // 53 bits times 10^15 need 103
 
-constexpr int most_digits = 19; // of a number that a 64-bit integer always holds
+constexpr int held_digits = 19; // of a number that a 64-bit integer always holds
 
 // A decimal number as it is written: digits * 10^exponent. Zeros in front are not counted.
 struct Decimal {
@@ -35,7 +35,7 @@ struct Decimal {
   int exponent = 0;
 
   void add(char digit, bool after_point) {
-    if (count < most_digits) {
+    if (count < held_digits) {
       digits = digits * 10 + static_cast<std::uint64_t>(digit - '0');
       count += digits != 0 ? 1 : 0;
       exponent -= after_point ? 1 : 0;

@@ -86,29 +86,59 @@ Eigen::VectorXd WhitenedSeries::whitened(const std::vector<double>& cosines) con
   return all.tail(per_sigma_.size()) * per_sigma_;
 }
 
+Eigen::VectorXd WhitenedSeries::without_taken(const std::vector<double>& cosines) const {
+  Eigen::VectorXd rest = whitened(cosines);
+  rest -= taken_ * (taken_.transpose() * rest);
+  return rest;
+}
+
 Eigen::MatrixXd WhitenedSeries::without_taken(const Series& courses) const {
   Eigen::MatrixXd result(rest_.size(), static_cast<Eigen::Index>(courses.size()));
   for (std::size_t i = 0; i < courses.size(); ++i)
-    result.col(static_cast<Eigen::Index>(i)) = whitened(cosines(courses[i], false));
-  result -= taken_ * (taken_.transpose() * result);
+    result.col(static_cast<Eigen::Index>(i)) = without_taken(cosines(courses[i], false));
   return result;
 }
 
-double WhitenedSeries::gain_of(const Series& courses) const {
-  const Eigen::MatrixXd x = without_taken(courses);
-  const Eigen::VectorXd seen = x.transpose() * rest_;
-  const Eigen::MatrixXd normal = x.transpose() * x;
-  return seen.dot(normal.ldlt().solve(seen));
+void GrowingGain::add(const std::vector<double>& cosines) {
+  Eigen::VectorXd direction = series_.without_taken(cosines);
+  const double whole = direction.squaredNorm();
+  for (const Eigen::VectorXd& before : directions_)
+    direction -= before.dot(direction) * before;
+  constexpr double rounding = 1e-20; // of the whole's square
+  const double left = direction.squaredNorm();
+  direction *= left > rounding * whole ? 1.0 / std::sqrt(left) : 0.0;
+  value_ += std::pow(direction.dot(series_.rest()), 2);
+  directions_.push_back(std::move(direction));
+}
+
+GrowingGains::GrowingGains(const FixedNoiseAccount& account)
+    : price_(account.price), rate_(account.rate) {
+  if (account.amplitude) amplitude_.emplace(*account.amplitude);
+}
+
+void GrowingGains::add(const std::vector<std::vector<double>>& courses, GrowingGain& gain) {
+  for (std::size_t i = gain.courses(); i < courses.size(); ++i) {
+    if (courses[i] != last_) {
+      last_ = courses[i];
+      cosines_of_last_ = cosines(last_, false);
+    }
+    gain.add(cosines_of_last_);
+  }
+}
+
+double GrowingGains::gain_of(const Courses& courses) {
+  add(courses.rate, rate_);
+  double gain = rate_.value() - price_ * static_cast<double>(2 * courses.dates + courses.times) -
+                price_ * static_cast<double>(courses.rate.size());
+  if (amplitude_) {
+    add(courses.amplitude, *amplitude_);
+    gain += amplitude_->value() - price_ * static_cast<double>(courses.amplitude.size());
+  }
+  return gain;
 }
 
 double FixedNoiseAccount::gain_of(const Courses& courses) const {
-  double gain = -price * (2 * courses.dates + courses.times);
-  if (!courses.rate.empty())
-    gain += rate.gain_of(courses.rate) - price * static_cast<double>(courses.rate.size());
-  if (amplitude && !courses.amplitude.empty())
-    gain += amplitude->gain_of(courses.amplitude) -
-            price * static_cast<double>(courses.amplitude.size());
-  return gain;
+  return GrowingGains(*this).gain_of(courses);
 }
 
 // The noise of a single time at either end has no partner to cancel it at low frequencies: the

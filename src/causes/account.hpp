@@ -61,8 +61,8 @@ public:
   [[nodiscard]] const Eigen::VectorXd& rest() const { return rest_; }
   /// Further courses, one per column, less the part that those in `taken` explain.
   [[nodiscard]] Eigen::MatrixXd without_taken(const Series& courses) const;
-  /// The increase of 2 log L by further courses.
-  [[nodiscard]] double gain_of(const Series& courses) const;
+  /// The same for one, given its cosine transform.
+  [[nodiscard]] Eigen::VectorXd without_taken(const std::vector<double>& cosines) const;
 
 private:
   [[nodiscard]] Eigen::VectorXd whitened(const std::vector<double>& cosines) const;
@@ -72,6 +72,22 @@ private:
   Eigen::VectorXd rest_;
 };
 
+/// The increase of 2 log L by courses that are added one after the other to a series: each adds
+/// what it explains beyond those before it.
+class GrowingGain {
+public:
+  explicit GrowingGain(const WhitenedSeries& series) : series_(series) {}
+  /// A further course, by its cosine transform.
+  void add(const std::vector<double>& cosines);
+  [[nodiscard]] std::size_t courses() const { return directions_.size(); }
+  [[nodiscard]] double value() const { return value_; }
+
+private:
+  const WhitenedSeries& series_;
+  std::vector<Eigen::VectorXd> directions_; // orthonormal, or 0 for a course that shows nothing new
+  double value_ = 0.0;
+};
+
 /// Gains with the noise held fixed, which is fast enough to compare many dates and time constants.
 struct FixedNoiseAccount {
   WhitenedSeries rate;
@@ -79,6 +95,22 @@ struct FixedNoiseAccount {
   double price = 0.0;
   /// As Account::gain_of.
   [[nodiscard]] double gain_of(const Courses& courses) const;
+};
+
+/// Gains in fixed noise of lists of courses of which each begins with the one before.
+class GrowingGains {
+public:
+  explicit GrowingGains(const FixedNoiseAccount& account);
+  /// As Account::gain_of. `courses`: those of the last call and further ones.
+  double gain_of(const Courses& courses);
+
+private:
+  void add(const std::vector<std::vector<double>>& courses, GrowingGain& gain);
+
+  double price_;
+  GrowingGain rate_;
+  std::optional<GrowingGain> amplitude_;
+  std::vector<double> last_, cosines_of_last_; // rate and amplitude often have the same course
 };
 
 /// The causes found so far (the courses "taken"), and the gain of further ones.

@@ -1,5 +1,6 @@
 #include "change_kinds.hpp"
 
+#include "base/special_values.hpp"
 #include "step_search.hpp"
 
 #include "goingrate/log/rates.hpp"
@@ -7,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -15,18 +15,16 @@ namespace goingrate::timing_model {
 
 namespace {
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-
-constexpr double most_blocks = 96.0, fewest_blocks = 8.0; // a side
+constexpr double most_blocks_a_side = 96.0, fewest_blocks_a_side = 8.0;
 
 // Blocks of equal time around a change; nothing if a side has too few.
 std::optional<RateBlocks> blocks_about(const TimingData& data, const Stretch& stretch, double at_s,
                                        double length_s) {
   const auto count = [&](double span_s) {
-    return std::clamp(std::floor(span_s / length_s * (1.0 + 1e-12)), 0.0, most_blocks);
+    return std::clamp(std::floor(span_s / length_s * (1.0 + 1e-12)), 0.0, most_blocks_a_side);
   };
   const double before = count(at_s - stretch.begin_s), after = count(stretch.end_s - at_s);
-  if (std::min(before, after) < fewest_blocks) return {};
+  if (std::min(before, after) < fewest_blocks_a_side) return {};
   return rate_blocks(data, at_s - before * length_s, length_s,
                      static_cast<std::size_t>(before + after));
 }
@@ -90,7 +88,7 @@ void put_jump(ChangeKind kind, const FittedStep& step, const RateBlocks& blocks,
 }
 
 void put_rate(std::span<const Beat> beats, double nominal_period_s, double& rate, double& sigma) {
-  rate = sigma = unknown;
+  rate = sigma = not_known;
   constexpr std::size_t fewest_beats = 3, fewest_for_scatter = 5;
   if (beats.size() < fewest_beats) return;
   const RateSummary summary = summarise_rates(beats, nominal_period_s);
@@ -103,7 +101,7 @@ void put_judgement(const Judgement& found, Change& change) {
   change.next_kind = found.next;
   change.gain = found.gain;
   change.kind_gain = found.ahead;
-  change.rate_change_sigma = unknown;
+  change.rate_change_sigma = not_known;
   if (!(found.jump_sigma > 0.0)) return;
   change.rate_change = found.jump;
   change.rate_change_sigma = found.jump_sigma;
@@ -129,7 +127,7 @@ Judgement judged_about(const TimingData& data, const Stretch& stretch, double at
   std::vector<Look> looks;
   constexpr double finest_block_beats = 4.0, block_ratio = 4.0; // beats per block
   for (double length_s = finest_block_beats * data.reference_period_s;; length_s *= block_ratio) {
-    if (doubt_s > 0.25 * most_blocks * length_s) continue; // the change may lie outside
+    if (doubt_s > 0.25 * most_blocks_a_side * length_s) continue; // the change may lie outside
     auto blocks = blocks_about(data, stretch, at_s, length_s);
     if (!blocks) break;
     Look look = look_at(std::move(*blocks), stretch, at_s, doubt_s);
@@ -229,7 +227,7 @@ void add_change(const TimingData& data, double at_s, double doubt_s, std::span<c
   put_judgement(found, change);
   put_date(beats, found.at_s, change);
   change.rate_change = found.jump;
-  change.amplitude_slope_change = unknown;
+  change.amplitude_slope_change = not_known;
   change.significance = std::sqrt(found.gain);
   change.stands_out = false;
   changes.insert(std::find_if(changes.begin(), changes.end(),

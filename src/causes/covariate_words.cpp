@@ -16,7 +16,7 @@ std::string unit_below(const CovariateEffect& effect) {
   return effect.unit.starts_with("1/") ? effect.unit.substr(2) : effect.unit;
 }
 
-std::string daily(double rate, double sigma) {
+std::string daily_with_sigma(double rate, double sigma) {
   return fmt::format("{:.3g} ± {:.2g} s/day", seconds_per_day * rate, seconds_per_day * sigma);
 }
 
@@ -32,7 +32,7 @@ std::string parts_text(const CovariateEffect& effect) {
   std::string text;
   for (const EffectPart& part : effect.parts)
     text += fmt::format("{} {} by {}", text.empty() ? ":" : ",", words_of(part.way),
-                        daily(part.coefficient, part.sigma));
+                        daily_with_sigma(part.coefficient, part.sigma));
   if (effect.part(EffectWay::at_once) != nullptr)
     text += fmt::format("; the rest follows with a lag of {} s", readable(effect.lag_s, 3));
   if (std::isfinite(effect.amplitude) && std::abs(effect.amplitude) > 3.0 * effect.amplitude_sigma)
@@ -61,8 +61,9 @@ std::string_view words_of(EffectWay way) {
 
 std::string covariate_text(const CovariateEffect& effect) {
   if (effect.name == "tide") return tide_text(effect);
-  std::string text = fmt::format("{}: the rate changes by {} per {}", effect.name,
-                                 daily(effect.coefficient, effect.sigma), unit_below(effect));
+  std::string text =
+      fmt::format("{}: the rate changes by {} per {}", effect.name,
+                  daily_with_sigma(effect.coefficient, effect.sigma), unit_below(effect));
   if (effect.known_share < 1.0)
     text += fmt::format(", from {:.0f} % of the log", 100.0 * effect.known_share);
   if (!effect.significant()) return text + ": not distinguishable from the noise";

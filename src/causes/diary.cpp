@@ -5,6 +5,7 @@
 #include "interruptions.hpp"
 #include "slope_jumps.hpp"
 
+#include "base/special_values.hpp"
 #include "fit/timing_noise.hpp"
 #include "goingrate/base/errors.hpp"
 #include "goingrate/log/rates.hpp"
@@ -13,7 +14,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace goingrate {
 
@@ -23,8 +23,6 @@ using timing_model::Jumps;
 using timing_model::slope_jumps;
 using timing_model::slope_of;
 using timing_model::Track;
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 // Windows after a change in which relaxation bends rate and amplitude.
 constexpr std::size_t wake = 8;
@@ -152,7 +150,7 @@ public:
     change.cycle = cycle_[k];
     change.at_s = error_.time[k];
     change.rate_change = slope_of(error_, k, after) - slope_of(error_, before, k);
-    change.amplitude_slope_change = unknown;
+    change.amplitude_slope_change = not_known;
     change.significance = significance(k);
     if (!has_amplitude()) return change;
     change.amplitude_slope_change =
@@ -165,7 +163,7 @@ private:
   // a tenth are missing, the amplitudes are not used.
   void fill_amplitudes(std::span<const Beat> beats) {
     std::size_t blank = 0;
-    double last = unknown;
+    double last = not_known;
     for (const Beat& beat : beats) {
       blank += std::isnan(beat.amplitude_rad) ? 1 : 0;
       if (std::isnan(last)) last = beat.amplitude_rad;

@@ -1,18 +1,16 @@
 #include "interruptions.hpp"
 
+#include "base/special_values.hpp"
 #include "fit/timing_noise.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
-#include <limits>
 
 namespace goingrate::timing_model {
 
 namespace {
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 // Relaxation of the points [from, to): a search over the rate, as all other parameters are linear.
 std::optional<Relaxation> relax(const Track& track, std::size_t from, std::size_t to,
@@ -58,7 +56,7 @@ std::optional<Relaxation> relax(const Track& track, std::size_t from, std::size_
   result.window_s = span;
   result.limit_rad = to_zero ? 0.0 : linear[1];
   result.rms_rad = std::sqrt(residual.squaredNorm() / static_cast<double>(n));
-  result.shorter_window_s = result.longer_window_s = unknown;
+  result.shorter_window_s = result.longer_window_s = not_known;
   if (!(result.sigma_s < result.time_constant_s)) return {};
   return result;
 }
@@ -78,8 +76,8 @@ std::optional<Relaxation> recovery_after(const Track& track, std::size_t from, d
   if (!recovery) return {};
   const auto shorter = over(0.75);
   const auto longer = over(1.25);
-  recovery->shorter_window_s = shorter ? shorter->time_constant_s : unknown;
-  recovery->longer_window_s = longer ? longer->time_constant_s : unknown;
+  recovery->shorter_window_s = shorter ? shorter->time_constant_s : not_known;
+  recovery->longer_window_s = longer ? longer->time_constant_s : not_known;
   // The three fits share their data, so that their time constants may differ by twice the sigma of
   // one; this is doubled for safety.
   const double apart = recovery->longer_window_s - recovery->shorter_window_s;

@@ -158,56 +158,66 @@ FittedStep StepSearch::polished(ChangeKind kind, FittedStep step) const {
                            [&](double at_log_time) { return gain(place, at_log_time); });
     step = at(kind, place, log_time, fixed);
   }
-  return at(kind, place, log_time, account_);
+  return by(account_, kind, place, log_time);
 }
 
 // The amplitude and the rate are nonlinear functions of the squared amplitude, so they also contain
 // powers of its exponential approach, which are visible if the change is large.
-Courses StepSearch::courses_of(ChangeKind kind, double place, double log_time, int powers) const {
-  if (kind == ChangeKind::regulation)
-    return {.rate = {make_.step(place)}, .amplitude = {}, .dates = 1};
-  Courses courses{.rate = {}, .amplitude = {}, .dates = 1, .times = 1};
-  const auto first = make_.approach(place, std::exp(log_time));
-  courses.amplitude.push_back(first);
-  if (kind == ChangeKind::drive) {
+void StepSearch::add_power(int power, ChangeKind kind, double place, double log_time,
+                           Courses& courses) const {
+  if (kind == ChangeKind::regulation) {
     courses.rate.push_back(make_.step(place));
-    courses.rate.push_back(difference(first, courses.rate.front()));
-  } else {
-    courses.rate.push_back(first);
+    return;
   }
-  for (int power = 2; power <= powers; ++power) {
-    const auto bend = difference(make_.approach(place, std::exp(log_time) / power), first);
-    courses.rate.push_back(bend);
-    courses.amplitude.push_back(bend);
+  std::vector<double> course = make_.approach(place, std::exp(log_time) / power);
+  if (power > 1) course = difference(std::move(course), courses.amplitude.front());
+  courses.amplitude.push_back(course);
+  if (power == 1 && kind == ChangeKind::drive) {
+    courses.rate.push_back(make_.step(place));
+    course = difference(std::move(course), courses.rate.front());
   }
+  courses.rate.push_back(std::move(course));
+}
+
+Courses StepSearch::courses_of(ChangeKind kind, double place, double log_time, int powers) const {
+  Courses courses{.rate = {}, .amplitude = {}, .dates = 1};
+  if (kind != ChangeKind::regulation) courses.times = 1;
+  for (int power = 1; power <= powers; ++power)
+    add_power(power, kind, place, log_time, courses);
   return courses;
 }
 
 template <class Gains>
-FittedStep StepSearch::at(ChangeKind kind, double place, double log_time,
-                          const Gains& gains) const {
+FittedStep StepSearch::by(Gains& gains, ChangeKind kind, double place, double log_time) const {
   FittedStep step{.place = place, .time_s = std::exp(log_time), .courses = {}};
   const bool relaxes = kind != ChangeKind::regulation;
   const int most_powers = relaxes ? 3 : 1; // more could imitate a jump
-  for (int powers = 1; powers <= most_powers; ++powers) {
-    Courses courses = courses_of(kind, place, log_time, powers);
+  Courses courses = courses_of(kind, place, log_time, 0);
+  for (int power = 1; power <= most_powers; ++power) {
+    add_power(power, kind, place, log_time, courses);
     const double gain = gains.gain_of(courses);
     if (gain <= step.gain) break;
     // If the logged amplitude does not follow, this kind of change is ruled out, whatever the rate
     // does.
-    if constexpr (std::is_same_v<Gains, Account>)
+    if constexpr (std::is_same_v<Gains, const Account>)
       if (relaxes && gains.sees_amplitude() && gains.amplitude_gain_of(courses) < 0.0) break;
     step.gain = gain;
-    step.courses = std::move(courses);
+    step.courses = courses;
   }
   return step;
+}
+
+FittedStep StepSearch::at(ChangeKind kind, double place, double log_time,
+                          const FixedNoiseAccount& fixed) const {
+  GrowingGains gains(fixed);
+  return by(gains, kind, place, log_time);
 }
 
 // The derivatives of the courses with respect to place and time constant are fitted as further
 // courses, of sizes near 0, so that the sigmas include the uncertainty of both.
 Sizes StepSearch::sizes_of(ChangeKind kind, const FittedStep& step) const {
   const double log_time = std::log(step.time_s);
-  const int powers = static_cast<int>(step.courses.amplitude.size());
+  const int powers = std::max(1, static_cast<int>(step.courses.amplitude.size()));
   Courses with_slopes = courses_of(kind, step.place, log_time, powers);
   Sizes sizes = account_.sizes_of(with_slopes);
   const auto sum = [](const std::vector<std::vector<double>>& courses,

@@ -44,11 +44,13 @@ private:
   [[nodiscard]] FittedStep best_place(ChangeKind kind, double log_time,
                                       const FixedNoiseAccount& fixed) const;
   [[nodiscard]] FittedStep polished(ChangeKind kind, FittedStep step) const;
-  // The step with as many powers of its relaxation as raise the gain. `gains`: an Account or a
-  // FixedNoiseAccount.
+  // The step with as many powers of its relaxation as raise the gain. `gains`: an Account or
+  // GrowingGains.
   template <class Gains>
+  [[nodiscard]] FittedStep by(Gains& gains, ChangeKind kind, double place, double log_time) const;
   [[nodiscard]] FittedStep at(ChangeKind kind, double place, double log_time,
-                              const Gains& gains) const;
+                              const FixedNoiseAccount& fixed) const;
+  void add_power(int power, ChangeKind kind, double place, double log_time, Courses& courses) const;
   [[nodiscard]] Courses courses_of(ChangeKind kind, double place, double log_time,
                                    int powers) const;
 

@@ -1,24 +1,22 @@
 #include "goingrate/drive/drive_history.hpp"
 
+#include "base/special_values.hpp"
 #include "fit/noise_guess.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <boost/math/tools/minima.hpp>
-#include <limits>
 #include <numbers>
 
 namespace goingrate {
 
 namespace {
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-
 // The observations in one block.
 struct Block {
   double at_s = 0.0, cycles = 0.0;
-  double x = unknown, x_sigma = 0.0; // from its amplitudes
-  double rate = unknown, rate_sigma = 0.0;
+  double x = not_known, x_sigma = 0.0; // from its amplitudes
+  double rate = not_known, rate_sigma = 0.0;
 };
 
 class Blocks {

@@ -6,6 +6,7 @@
 #include "time_error.hpp"
 
 #include "base/scaled_time.hpp"
+#include "base/special_values.hpp"
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
@@ -13,8 +14,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <functional>
-#include <limits>
-#include <numbers>
 
 namespace goingrate {
 
@@ -23,8 +22,6 @@ namespace {
 using timing_model::Component;
 using timing_model::ComponentFit;
 using timing_model::RateComponents;
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 // The estimate with its interval widened by a further, independent, relative error.
 RmsEstimate widened(const RmsEstimate& estimate, double relative) {
@@ -138,7 +135,7 @@ void take_linear_sizes(DriveSplit& result, const Parts& parts, const DriveRespon
   const auto doubt = timing_model::gain_doubt(response, mean_drive_rms, best.memory_s);
   result.fast = widened(rms_of(parts.fit, parts.fast, Component::fast, as_found), doubt.fast);
   result.slow = widened(rms_of(parts.fit, parts.slow, Component::slow, as_found), doubt.slow);
-  result.slow_time_s = best.slow2 > 0.0 ? best.memory_s : unknown;
+  result.slow_time_s = best.slow2 > 0.0 ? best.memory_s : not_known;
 }
 
 // Sets the sizes of the drive from uncorrected rates, with gains averaged over the amplitudes that
@@ -162,7 +159,7 @@ void take_averaged_sizes(DriveSplit& result, const Parts& parts, const DriveResp
   result.fast = widened(rms_of(parts.fit, parts.fast, Component::fast, drive_at),
                         std::hypot(doubt.fast, by_slow));
   result.slow = widened(rms_of(parts.fit, parts.slow, Component::slow, drive_at), doubt.slow);
-  result.slow_time_s = best.slow2 > 0.0 ? best.memory_s : unknown;
+  result.slow_time_s = best.slow2 > 0.0 ? best.memory_s : not_known;
 }
 
 bool is_constant(std::span<const double> rates) {

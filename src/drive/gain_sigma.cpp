@@ -1,6 +1,8 @@
 // The uncertainty of a clock's gains, from the fit that gave its parameters.
 #include "goingrate/drive/drive_split.hpp"
 
+#include "base/special_values.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,8 +11,6 @@
 namespace goingrate {
 
 namespace {
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 // A parameter of the clock: its name in the fit, and its member.
 struct ClockNumber {
@@ -41,7 +41,7 @@ double relative_gain_sigma(const FitSummary& fit, const ClockParameters& clock,
   std::vector<double> moves; // changes of log |H| for one sigma
   const auto log_gain = [&](const ClockParameters& at) {
     const auto response = drive_response(at);
-    return response ? std::log(std::abs(response->at(frequency_hz))) : unknown;
+    return response ? std::log(std::abs(response->at(frequency_hz))) : not_known;
   };
   for (const ClockNumber& number : clock_numbers) {
     const FittedParameter* last = nullptr; // its value after the last event

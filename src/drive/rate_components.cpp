@@ -1,5 +1,7 @@
 #include "rate_components.hpp"
 
+#include "base/scaled_time.hpp"
+#include "base/special_values.hpp"
 #include "goingrate/spectra/spectrum.hpp"
 
 #include <Eigen/Dense>
@@ -14,8 +16,6 @@
 namespace goingrate::timing_model {
 
 namespace {
-
-constexpr double two_pi = 2.0 * std::numbers::pi;
 
 // sin^2(pi f T), on which both shapes depend.
 double sine2(double hz, double period_s) {
@@ -324,7 +324,6 @@ std::array<RateComponents, 2> ComponentFit::interval68(Component which) const {
       return ends;
     }
   ends[1] = best_;
-  constexpr double infinite = std::numeric_limits<double>::infinity();
   (which == Component::fast   ? ends[1].fast2
    : which == Component::slow ? ends[1].slow2
                               : ends[1].jitter2) = infinite;

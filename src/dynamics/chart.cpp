@@ -1,6 +1,8 @@
 #include "goingrate/dynamics/chart.hpp"
 
+#include "base/robust.hpp"
 #include "base/scaled_time.hpp"
+#include "base/special_values.hpp"
 #include "goingrate/base/random.hpp"
 #include "goingrate/dynamics/averaged_pendulum.hpp"
 #include "goingrate/dynamics/direct.hpp"
@@ -11,15 +13,12 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <limits>
 #include <numbers>
 #include <optional>
 
 namespace goingrate {
 
 namespace {
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 ChartScene scene_at(std::string name, const ClockParameters& clock, double velocity,
                     std::size_t periods) {
@@ -54,12 +53,6 @@ double largest_error(const std::vector<double>& lateness, const std::vector<Wide
   for (std::size_t i = 0; i < std::min(lateness.size(), exact.size()); ++i)
     worst = std::max(worst, static_cast<double>(std::abs(lateness[i] - exact[i])));
   return worst;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 ChartMethod rk4_method(Rk4Torque torque, double dt) {
@@ -153,10 +146,11 @@ std::vector<ChartRow> measure_chart(const std::vector<ChartScene>& scenes,
         running.push_back(run.running_s);
         setup.push_back(run.setup_s);
       }
-      ChartRow row{scene.name, method.name, method.setting, run.status, unknown, unknown, unknown};
+      ChartRow row{scene.name, method.name, method.setting, run.status,
+                   not_known,  not_known,   not_known};
       if (run.status == SwingStatus::crossed) {
-        row.ns_per_period = 1e9 * median(running) / static_cast<double>(scene.factors.size());
-        row.setup_us = 1e6 * median(setup);
+        row.ns_per_period = 1e9 * median_of(running) / static_cast<double>(scene.factors.size());
+        row.setup_us = 1e6 * median_of(setup);
         row.max_error = largest_error(run.lateness, exact);
       }
       rows.push_back(std::move(row));
@@ -214,7 +208,7 @@ LimitRow limits_at(const LimitScene& at, const std::vector<ChartMethod>& methods
   const auto exact = exact_lateness(at.scene);
   for (const ChartMethod& method : methods) {
     const ChartRun run = method.run(at.scene);
-    double error = unknown;
+    double error = not_known;
     if (run.status == SwingStatus::crossed && row.exact == SwingStatus::crossed) {
       const std::size_t last = run.lateness.size() - 1;
       // The oracle stops if the escapement misses a switch; `direct` is then the reference.

@@ -1,11 +1,11 @@
 #include "goingrate/dynamics/custom_pendulum.hpp"
 
+#include "base/special_values.hpp"
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace goingrate {
@@ -31,7 +31,6 @@ double CustomPendulum::acceleration(const State& state) const {
 
 // The stretch between two jumps in which the pendulum is, or which it enters.
 void CustomPendulum::enter_stretch(bool rightwards) {
-  constexpr double infinite = std::numeric_limits<double>::infinity();
   low_ = -infinite;
   high_ = infinite;
   for (const double jump : laws_.jumps) {

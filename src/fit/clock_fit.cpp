@@ -13,6 +13,7 @@
 #include "ring_down.hpp"
 
 #include "base/readable.hpp"
+#include "base/special_values.hpp"
 #include "base/workers.hpp"
 #include "fit/timing_noise.hpp"
 #include "goingrate/base/errors.hpp"
@@ -21,7 +22,6 @@
 #include <array>
 #include <boost/math/distributions/normal.hpp>
 #include <fmt/format.h>
-#include <limits>
 #include <memory>
 
 namespace goingrate {
@@ -29,8 +29,6 @@ namespace goingrate {
 namespace {
 
 using namespace timing_model;
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 // The same model on all beats of the log, whatever it was fitted to.
 FitProblem on_all_beats(const Fitted& fitted, const TimingData& data) {
@@ -51,7 +49,7 @@ void state_amplitudes(const TimingData& data, FitSummary& summary) {
     sum += std::pow(summary.amplitude_residual_rad.back(), 2);
     ++seen;
   }
-  summary.quality.amplitude_rms_rad = seen > 0.0 ? std::sqrt(sum / seen) : unknown;
+  summary.quality.amplitude_rms_rad = seen > 0.0 ? std::sqrt(sum / seen) : not_known;
 }
 
 // Chi-squared. With no noise but jitter it compares the residuals, whose sum of squares is `sum`,
@@ -71,7 +69,7 @@ void judge_size(const Fitted& fitted, const TimingData& data, double sum, FitQua
     quality.chi2 = sum / (jitter * jitter);
   }
   quality.dof = n - 1.0 - free;
-  quality.p_value = unknown;
+  quality.p_value = not_known;
   if (!(quality.dof >= 1.0)) return;
   // The jitter itself comes from the median of third differences: variance of its square 12/N.
   const double of_jitter = quality.of_innovations ? 0.0 : 12.0 / n;
@@ -96,18 +94,18 @@ void state_quality(const Fitted& fitted, const TimingData& data, FitSummary& sum
   quality.rms_s = std::sqrt(sum / n);
   judge_size(fitted, data, weighed, quality);
   // Residuals of rounding are not noise, and may look like anything.
-  quality.whiteness_p = is_rounding(fitted) ? unknown : whiteness_p(fitted.seen.white_time);
+  quality.whiteness_p = is_rounding(fitted) ? not_known : whiteness_p(fitted.seen.white_time);
   quality.bic = fitted.bic;
   const auto free = static_cast<double>(fitted.problem.parameters.free_count);
   quality.aic =
       fitted.bic + free * (2.0 - std::log(static_cast<double>(fitted.problem.data->size())));
-  quality.amplitude_rms_rad = unknown;
+  quality.amplitude_rms_rad = not_known;
   if (data.has_amplitude()) state_amplitudes(data, summary);
 }
 
 double value_of(const FitSummary& summary, std::string_view name) {
   const FittedParameter* found = summary.find(name);
-  return found ? found->value : unknown;
+  return found ? found->value : not_known;
 }
 
 bool something_is_undetermined(const FitSummary& summary) {
@@ -553,7 +551,7 @@ std::optional<ClockParameters> fitted_clock(const FitSummary& fit) {
   for (const FittedParameter& parameter : fit.parameters) {
     const std::string name = parameter.name.substr(0, parameter.name.find('@'));
     const double size = name == "gravity_share" ? 1.0 : std::abs(parameter.value); // 1: all gravity
-    last[name] = parameter.sigma > largest_relative_sigma * size ? unknown : parameter.value;
+    last[name] = parameter.sigma > largest_relative_sigma * size ? not_known : parameter.value;
   }
   ClockParameters clock{last["T0"], last["epsilon"], last["mu"], last["phi0"]};
   if (last.contains("gravity_share")) clock.gravity_share = last["gravity_share"];

@@ -3,6 +3,7 @@
 #include "final_clock.hpp"
 
 #include "base/scaled_time.hpp"
+#include "base/special_values.hpp"
 
 #include <algorithm>
 #include <array>
@@ -14,8 +15,6 @@
 namespace goingrate::timing_model {
 
 namespace {
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 using Quality = std::function<double(std::span<const double>)>;
 
@@ -46,7 +45,7 @@ bool rivals_agree(const Rivals& rivals, const DerivedQuantity& best, const Quali
 
 DerivedQuantity unless_undetermined(DerivedQuantity quantity) {
   if (!(quantity.sigma <= largest_relative_sigma * std::abs(quantity.value)))
-    quantity.value = quantity.sigma = unknown;
+    quantity.value = quantity.sigma = not_known;
   return quantity;
 }
 
@@ -203,8 +202,8 @@ void state_stationary(const FitProblem& problem, const AtPlace& place, FitSummar
   if (!std::isfinite(summary.decay_time.value) || !friction_known(summary) || (!driven && !linear))
     for (DerivedQuantity* quantity :
          {&summary.q_factor, &summary.decay_time, &summary.stationary_amplitude})
-      quantity->value = quantity->sigma = unknown;
-  if (!driven) summary.stationary_amplitude.value = summary.stationary_amplitude.sigma = unknown;
+      quantity->value = quantity->sigma = not_known;
+  if (!driven) summary.stationary_amplitude.value = summary.stationary_amplitude.sigma = not_known;
 }
 
 // Combinations other than the mean period.
@@ -269,7 +268,7 @@ void state_derived(const FitProblem& problem, std::span<const double> x, const C
   if (!settled) {
     for (DerivedQuantity* quantity :
          {&summary.q_factor, &summary.decay_time, &summary.stationary_amplitude})
-      quantity->value = quantity->sigma = unknown;
+      quantity->value = quantity->sigma = not_known;
   } else {
     state_combinations(problem, place, summary);
   }

@@ -3,6 +3,7 @@
 #include "clock_model.hpp"
 
 #include "base/scaled_time.hpp"
+#include "base/special_values.hpp"
 #include "base/spelling.hpp"
 #include "fit/timing_noise.hpp"
 #include "goingrate/base/errors.hpp"
@@ -13,8 +14,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <limits>
-#include <numbers>
 #include <set>
 
 namespace goingrate {
@@ -46,7 +45,6 @@ constexpr double typical_torque = 1e-5; // scale of a changed torque where the f
 constexpr double told_date_sigma = 0.289, found_date_sigma = 1.0;
 // In units of the leaps' scales: the leap from half a cycle of a drive with 4 mu/lambda = 1 %.
 constexpr double leap_sigma = 2.0;
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 // The value of a parameter about which nothing is said.
 struct Kind {

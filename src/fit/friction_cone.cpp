@@ -1,17 +1,15 @@
 #include "friction_cone.hpp"
 
+#include "base/special_values.hpp"
 #include "goingrate/base/random.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace goingrate::timing_model {
 
 namespace {
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 // The lowest place with the coordinates outside `inside` at 0 and, if `h` is given, h.f = v: the
 // lowest without that condition, moved along information^-1 h.

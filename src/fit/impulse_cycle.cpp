@@ -24,7 +24,7 @@ constexpr std::size_t searched_cycles = 200'000; // of a log at most: enough to 
 
 Grid on_cycles(const TimingData& data, const std::vector<double>& values, std::size_t most) {
   const auto length = std::min(most, static_cast<std::size_t>(std::llround(data.cycle.back())) + 1);
-  Grid grid(length, unknown);
+  Grid grid(length, not_known);
   for (std::size_t i = 0; i < data.size(); ++i) {
     const auto at = static_cast<std::size_t>(std::llround(data.cycle[i]));
     if (at < length) grid[at] = values[i];

@@ -1,16 +1,15 @@
 #include "inference.hpp"
 
+#include "base/special_values.hpp"
 #include "derived_quantities.hpp"
 #include "final_clock.hpp"
 
 #include <algorithm>
-#include <limits>
 
 namespace goingrate::timing_model {
 
 namespace {
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 std::string unit_of(const FitProblem& problem, const Slot& slot) {
   switch (slot.quantity) {
   case Quantity::T0:
@@ -85,8 +84,8 @@ void state_parameters(const FitProblem& problem, std::span<const double> x, cons
     parameter.name = problem.parameters.name_of(slot);
     parameter.unit = unit_of(problem, slot);
     parameter.value = slot.value(x);
-    parameter.sigma = parameter.model_shift = unknown;
-    parameter.low68 = parameter.high68 = parameter.low95 = parameter.high95 = unknown;
+    parameter.sigma = parameter.model_shift = not_known;
+    parameter.low68 = parameter.high68 = parameter.low95 = parameter.high95 = not_known;
     parameter.status = slot.free ? ParameterStatus::free : ParameterStatus::fixed;
     if (slot.free && has_prior(options, parameter.name)) parameter.status = ParameterStatus::prior;
     if (slot.free) state_free(problem, slot, x, known, intervals[slot.index], parameter);
@@ -115,8 +114,8 @@ void state_correlation(const FitProblem& problem, const Certainty& known, FitSum
 
 void leave_undetermined(FittedParameter& parameter) {
   parameter.status = ParameterStatus::undetermined;
-  parameter.value = parameter.sigma = unknown;
-  parameter.low68 = parameter.high68 = parameter.low95 = parameter.high95 = unknown;
+  parameter.value = parameter.sigma = not_known;
+  parameter.low68 = parameter.high68 = parameter.low95 = parameter.high95 = not_known;
 }
 
 bool may_vanish(const Slot& slot) {

@@ -1,17 +1,15 @@
 #include "listed_twins.hpp"
 
+#include "base/special_values.hpp"
 #include "held.hpp"
 #include "valley.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <limits>
 
 namespace goingrate::timing_model {
 
 namespace {
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 // One of the clocks, in the coordinates of the search.
 struct Listed {
@@ -22,9 +20,9 @@ struct Listed {
 
 // The point with sigmas from the likelihood's curvature there; NaN if the model does not hold.
 Listed listed(const FitProblem& problem, Rival place, const Widening& widening) {
-  std::vector<double> sigma(place.x.size(), unknown);
+  std::vector<double> sigma(place.x.size(), not_known);
   const auto there = evaluate(problem, place.x);
-  if (!there) return {std::move(place), unknown, sigma};
+  if (!there) return {std::move(place), not_known, sigma};
   const Certainty known = certainty(problem, place.x, *there, widening);
   for (std::size_t k = 0; k < sigma.size(); ++k)
     sigma[k] = known.sigma(k);
@@ -79,7 +77,7 @@ ClockTwin as_twin(const FitProblem& problem, const Listed& clock) {
     const double sigma = clock.sigma[slot.index];
     const bool is_determined = sigma <= tolerable_sigma(problem, slot, x);
     twin.parameters.emplace_back(name, slot.value(x));
-    twin.sigma.emplace_back(name, is_determined ? sigma * std::abs(slot.slope(x)) : unknown);
+    twin.sigma.emplace_back(name, is_determined ? sigma * std::abs(slot.slope(x)) : not_known);
   }
   return twin;
 }

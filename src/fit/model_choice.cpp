@@ -123,7 +123,9 @@ void ModelSearch::include_angle_of_pushes() {
 
 namespace {
 
-constexpr std::size_t most_working_beats = 16000;
+// A search is made on 2000 beats, unless repeating its end on as many as the information asks for
+// would cost as much as is saved.
+constexpr std::size_t most_working_beats = 2000, least_thinned_beats = 12'000;
 
 // Beats at a stride. Under drive noise neighbouring times carry nearly the same information, so
 // thinning a long log loses little.
@@ -147,7 +149,7 @@ std::size_t working_stride(const TimingData& data) {
 } // namespace
 
 void ModelSearch::thin_if_long() {
-  const bool is_thinned = first_model().walk && all_.size() >= 2 * most_working_beats;
+  const bool is_thinned = first_model().walk && all_.size() >= least_thinned_beats;
   working_.data = is_thinned ? at_a_stride(all_, options_.events, working_stride(all_)) : all_;
 }
 
@@ -312,7 +314,8 @@ void ModelSearch::choose_friction() {
 // beats is kept.
 void ModelSearch::choose_on_few_beats(const std::function<void()>& choose) {
   if (working_.data.size() < all_.size() || !noise_is_asked_for()) return choose();
-  const FewBeats few = few_beats(all_, best_.problem.parameters.event_cycles, most_working_beats);
+  constexpr std::size_t most_blocks = 16'000; // shorter than a swing's memory in a log of months
+  const FewBeats few = few_beats(all_, best_.problem.parameters.event_cycles, most_blocks);
   if (few.together == 1.0) return choose();
   const Fitted whole = best_;
   best_ = on_few_beats(whole, few);

@@ -64,10 +64,11 @@ Fitted ModelSearch::with_slow_drive(FittedLaws& drive, FitDynamics dynamics) con
   const bool automatic = options.noise == FitNoise::automatic;
   model.slow = true;
   // In a log with amplitudes the peak of the likelihood is so narrow that its height is known only
-  // after a search. In a long log, which is thinned, a slow drive looks much like another clock,
-  // and only a search tells the two apart.
+  // after a search. In a long log a slow drive looks much like another clock, and only a search
+  // tells the two apart.
+  constexpr std::size_t long_log_beats = 32'000;
   const bool asks_for_more =
-      working_.data.size() < all_.size() || (working_.data.has_amplitude() && !white(drive.fitted));
+      all_.size() >= long_log_beats || (working_.data.has_amplitude() && !white(drive.fitted));
   const bool slowly = options.noise == FitNoise::slow ||
                       (automatic && (asks_for_more || worth_trying(drive.fitted, options, model) ||
                                      worth_trying(best_, options, model)));

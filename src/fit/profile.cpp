@@ -1,19 +1,18 @@
 #include "profile.hpp"
 
+#include "base/special_values.hpp"
 #include "base/workers.hpp"
 
 #include "goingrate/base/pulse.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 namespace goingrate::timing_model {
 
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double z68 = 1.0;
 
 // The profile likelihood of one coordinate; z is its distance from the minimum in sigmas of the

@@ -13,7 +13,7 @@ using std::numbers::pi;
 
 // The amplitude between the first push that was seen and the last.
 struct PushedSwing {
-  double mean = unknown;
+  double mean = not_known;
   double growth = 0.0; ///< from one push to the next, by the first and the last interval
 };
 PushedSwing swing_between(const Grid& amplitude, const std::vector<double>& pushes) {
@@ -72,7 +72,7 @@ double mean_of_known(std::span<const double> values) {
     sum += value;
     ++known;
   }
-  return known > 0.0 ? sum / known : unknown;
+  return known > 0.0 ? sum / known : not_known;
 }
 
 std::optional<ImpulseCycle::Estimate> friction_of_teeth(const Grid& amplitude,

@@ -74,7 +74,7 @@ Grid less_mean_around(const Grid& values, std::size_t n) {
   }
   const std::size_t half = n / 2;
   const bool even = n % 2 == 0;
-  Grid left(values.size(), unknown);
+  Grid left(values.size(), not_known);
   for (std::size_t i = half; i + half < values.size(); ++i) {
     const std::size_t from = i - half, to = i + half + 1;
     if (holes[to] != holes[from]) continue;
@@ -91,7 +91,7 @@ Grid less_mean_around(const Grid& values, std::size_t n) {
 Grid less_moving_mean(const Grid& values, std::size_t n) {
   Grid left = less_mean_around(less_mean_around(bridged(values), n), n);
   for (std::size_t i = 0; i < values.size(); ++i)
-    if (!std::isfinite(values[i])) left[i] = unknown;
+    if (!std::isfinite(values[i])) left[i] = not_known;
   return left;
 }
 

@@ -5,11 +5,12 @@
 
 #include "goingrate/fit/impulse_cycle.hpp"
 
+#include "base/special_values.hpp"
+
 #include <Eigen/Core>
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -17,7 +18,6 @@
 namespace goingrate::push_shapes {
 
 constexpr std::size_t least_cycles = 8; // enough to estimate a scatter
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// One value per cycle, NaN where there is none.
 using Grid = std::vector<double>;

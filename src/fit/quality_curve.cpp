@@ -1,17 +1,14 @@
 #include "quality_curve.hpp"
 
+#include "base/special_values.hpp"
 #include "goingrate/dynamics/swing_loss.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace goingrate::timing_model {
 
 namespace {
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 // A sum of the coordinates, and its estimate from the log.
 class KnownSum {
@@ -182,7 +179,9 @@ std::optional<Eigen::VectorXd> slopes_of_swing(const Fitted& all, double Span::*
 
 } // namespace
 
-DecayEstimate nothing_known() { return {unknown, unknown, unknown, unknown, unknown, unknown}; }
+DecayEstimate nothing_known() {
+  return {not_known, not_known, not_known, not_known, not_known, not_known};
+}
 
 QualityCurve::Loss QualityCurve::loss_at(double amplitude) const {
   const auto share = inverse_q_per_friction(amplitude);

@@ -1,18 +1,17 @@
 #include "ridge.hpp"
 
+#include "base/special_values.hpp"
 #include "held.hpp"
 
 #include "goingrate/base/pulse.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 namespace goingrate::timing_model {
 
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double first_stride = 0.25; // sigma
 
 // Adds a row for each coordinate, so that a change of one (a factor e for most) costs a half in L:

@@ -1,5 +1,6 @@
 #include "ring_down.hpp"
 
+#include "base/special_values.hpp"
 #include "held.hpp"
 #include "quality_curve.hpp"
 
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -16,8 +16,6 @@ namespace goingrate::timing_model {
 
 namespace {
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr std::array<const char*, 3> friction_words{"linear", "quadratic", "dry"};
 
 // The minimum of the fit with these terms alone, starting with equal parts of the loss, along the
@@ -58,7 +56,7 @@ struct Known {
 
 Known known_by(const Fitted& law, Quantity quantity) {
   const Slot* slot = law.problem.parameters.find(quantity);
-  if (!slot->free) return {unknown, unknown};
+  if (!slot->free) return {not_known, not_known};
   const std::span<const double> x(law.minimum.x);
   return {slot->value(x), law.known.sigma(slot->index) * std::abs(slot->slope(x))};
 }
@@ -96,9 +94,9 @@ std::vector<FrictionLaw> laws_of(const Fitted& all) {
   for (std::size_t k = 0; k < laws.size(); ++k) {
     FrictionLaw& law = laws[k];
     law.behind = law.bic - best;
-    law.T0_s = law.T0_sigma_s = law.lambda0 = law.lambda0_sigma = unknown;
-    law.epsilon = law.quadratic_drag = law.dry_friction = unknown;
-    law.epsilon_sigma = law.quadratic_drag_sigma = law.dry_friction_sigma = unknown;
+    law.T0_s = law.T0_sigma_s = law.lambda0 = law.lambda0_sigma = not_known;
+    law.epsilon = law.quadratic_drag = law.dry_friction = not_known;
+    law.epsilon_sigma = law.quadratic_drag_sigma = law.dry_friction_sigma = not_known;
     if (!law.is_open()) continue;
     auto& [chosen, fit] = fits[k];
     finish(fit);

@@ -1,5 +1,6 @@
 #include "search.hpp"
 
+#include "base/special_values.hpp"
 #include "valley.hpp"
 
 #include "goingrate/base/pulse.hpp"
@@ -9,7 +10,6 @@
 #include <ceres/ceres.h>
 #include <cmath>
 #include <exception>
-#include <limits>
 
 namespace goingrate::timing_model {
 
@@ -21,7 +21,6 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 class Bounds {
 public:
   explicit Bounds(const FitProblem& problem) : bounds_(problem.bounds) {
-    constexpr double infinite = std::numeric_limits<double>::infinity();
     bounds_.resize(problem.parameters.free_count, {-infinite, infinite});
   }
   [[nodiscard]] std::vector<double> nearest(std::vector<double> x) const {

@@ -1,6 +1,7 @@
 // Finds the effect of each turn of the train's wheels on a log, which is subtracted before a fit.
 #include "goingrate/fit/timing_data.hpp"
 
+#include "base/scaled_time.hpp"
 #include "fit/noise_guess.hpp"
 #include "goingrate/spectra/lines.hpp"
 
@@ -12,8 +13,6 @@
 namespace goingrate {
 
 namespace {
-
-constexpr double two_pi = 2.0 * std::numbers::pi;
 
 // Part of a log on a grid of its usual spacing. Values between beats, and unknown values, are
 // interpolated linearly between their known neighbours.

@@ -4,6 +4,7 @@
 #include "typical_period.hpp"
 
 #include "base/scaled_time.hpp"
+#include "base/special_values.hpp"
 #include "goingrate/clock/restoring.hpp"
 
 #include <Eigen/Dense>
@@ -11,15 +12,12 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
-#include <limits>
 #include <numbers>
 #include <vector>
 
 namespace goingrate {
 
 namespace {
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 double median_amplitude(const ClockLog& log) {
   std::vector<double> known;
@@ -34,18 +32,18 @@ double amplitude_from_width(double width_s, double flag_width_rad, double period
                             double gravity_share) {
   const double half = 0.5 * flag_width_rad;
   const double tau = two_pi * width_s / period_s;
-  if (!(tau > 0.0 && tau < std::numbers::pi)) return unknown;
+  if (!(tau > 0.0 && tau < std::numbers::pi)) return not_known;
   double amplitude = half / std::sin(0.5 * tau);
   // Newton with the slope of small swings: each step gains a factor of the amplitude squared.
   constexpr int most_steps = 60;
   for (int i = 0; i < most_steps; ++i) {
-    if (!(amplitude > half && amplitude < 3.1)) return unknown; // never reaches, or turns over
+    if (!(amplitude > half && amplitude < 3.1)) return not_known; // never reaches, or turns over
     const double excess = free_passage_time(gravity_share, amplitude, half) - tau;
     const double step = excess * amplitude / (2.0 * std::tan(0.5 * tau));
     amplitude += step;
     if (std::abs(step) < 1e-14 * amplitude) return amplitude;
   }
-  return unknown;
+  return not_known;
 }
 
 double small_swing_period(const ClockLog& log, double flag_width_rad, double period_s,
@@ -92,7 +90,7 @@ std::vector<double> local_friction(const ClockLog& log, double period_s, const F
   for (std::size_t i = 0; i < log.events.size(); ++i)
     if (!std::isnan(log.events[i].amplitude_rad) && log.events[i].flag != BeatFlag::spurious)
       known.push_back(i);
-  std::vector<double> friction(log.events.size(), unknown);
+  std::vector<double> friction(log.events.size(), not_known);
   for (std::size_t k = 0; k < known.size(); ++k) {
     double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, mean_fall = 0.0;
     const Beat& here = log.events[known[k]];

@@ -1,11 +1,11 @@
 #include "log/angle_samples.hpp"
+#include "base/special_values.hpp"
 
 #include "swing_shape.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <numeric>
 #include <optional>
@@ -13,8 +13,6 @@
 namespace goingrate {
 
 namespace {
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 double quantile(std::vector<double> values, double part) {
   const auto at = static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
@@ -275,7 +273,7 @@ private:
       freedom += swing.freedom;
       if (k > 1 && fits_[k - 2]) periods.push_back(swing.time_after(*fits_[k - 2]));
       swings.crossings.push_back({swing.centre + swing.root_s, swing.unit_sigma_s,
-                                  swing.is_whole ? swing.amplitude : unknown, passages_[k].edge,
+                                  swing.is_whole ? swing.amplitude : not_known, passages_[k].edge,
                                   samples_[passages_[k].before].line});
     }
     swings.period_s = periods.empty() ? period_s_ : median(std::move(periods));

@@ -4,18 +4,16 @@
 
 #include "base/decimal.hpp"
 #include "base/large_pages.hpp"
+#include "base/special_values.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <limits>
 #include <numbers>
 
 namespace goingrate {
 
 namespace {
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 } // namespace
 
@@ -83,7 +81,7 @@ void RowReader::add(const Line& line) {
   ++data_lines_;
   split_fields(line.text, layout_.separator, fields_);
   if (!row_fits(line)) {
-    if (log_.grid) log_.grid->phase_s.push_back(unknown); // keeps its place on the grid
+    if (log_.grid) log_.grid->phase_s.push_back(not_known); // keeps its place on the grid
     if (oscillation_ && is_begun_row()) pass_oscillation();
     return;
   }
@@ -189,7 +187,7 @@ bool RowReader::is_mark(std::size_t column, std::string_view text, double value)
 }
 
 double RowReader::number_at(const Line& line, const Place& place, std::string_view expected) {
-  if (!place) return unknown;
+  if (!place) return not_known;
   const Field& field = fields_[*place];
   const auto value = parse_number(field.text, layout_.point);
   // As a pressure or a humidity nines can be real in any log: 999.9 mbar, 99.99 %.
@@ -201,17 +199,17 @@ double RowReader::number_at(const Line& line, const Place& place, std::string_vi
     issues_.add(line.number, field.column, value ? IssueKind::no_value : IssueKind::unreadable,
                 fmt::format("found {}, expected {}", shown(field.text), expected),
                 "taken as unknown");
-  return unknown;
+  return not_known;
 }
 
 double RowReader::amplitude_at(const Line& line) {
-  if (!amplitude_) return unknown;
+  if (!amplitude_) return not_known;
   const double amplitude =
       number_at(line, amplitude_, "an amplitude") * layout_.columns[*amplitude_].scale;
   if (std::isnan(amplitude) || (amplitude > 0.0 && amplitude < std::numbers::pi)) return amplitude;
   issues_.add(line.number, fields_[*amplitude_].column, IssueKind::out_of_range,
               fmt::format("an amplitude of {} rad", amplitude), "amplitude taken as unknown");
-  return unknown;
+  return not_known;
 }
 
 bool RowReader::read_edge(const Line& line, Beat& beat) {
@@ -262,7 +260,7 @@ void RowReader::accept(const Line& line, Beat beat) {
   if (!(std::isnan(width) || (width >= 0.0 && width < longest_period_s))) {
     issues_.add(line.number, fields_[*width_].column, IssueKind::out_of_range,
                 fmt::format("a width of {} s", width), "width taken as unknown");
-    width = unknown;
+    width = not_known;
   }
   if (!std::isnan(width)) {
     beat.time = beat.time + 0.5 * width; // the log gives the time of the leading edge
@@ -275,7 +273,7 @@ void RowReader::append(const Line& line, const Beat& beat, double width_s) {
   log_.has_amplitude = log_.has_amplitude || !std::isnan(beat.amplitude_rad);
   const bool widths = width_ || !log_.columns.width_s.empty() || !std::isnan(width_s);
   if (widths) { // events before the first width get an unknown one
-    log_.columns.width_s.resize(log_.events.size() - 1, unknown);
+    log_.columns.width_s.resize(log_.events.size() - 1, not_known);
     log_.columns.width_s.push_back(width_s);
   }
   for (std::size_t i = 0; i < weather_.size(); ++i) {

@@ -1,20 +1,19 @@
 // The time of a line: as written, as a sum of periods, or as a place on a grid.
 #include "row_reader.hpp"
 
+#include "base/special_values.hpp"
 #include "beginning.hpp"
 #include "calendar.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <limits>
 #include <utility>
 
 namespace goingrate {
 
 namespace {
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double largest_error_s = 1e9; // thirty years: a clock that is further off was never set
 
 } // namespace
@@ -175,7 +174,7 @@ Instant RowReader::pause_before(const Instant& period) {
 std::optional<Instant> RowReader::accumulated_time(const Line& line, std::size_t column) {
   const LogColumn& meaning = layout_.columns[column];
   auto period = parse_instant(fields_[column].text, meaning.unit, layout_.point);
-  const double size = period ? period->to_double() : unknown;
+  const double size = period ? period->to_double() : not_known;
   const bool usable =
       size > 0.0 && size < longest_period_s && !is_mark(column, fields_[column].text, size);
   if (!usable) {
@@ -210,7 +209,7 @@ Instant RowReader::accumulated() const { return Instant{whole_s_, 0.0} + part_s_
 void RowReader::leave_place(const Line& line, std::size_t column, IssueKind kind,
                             std::string found) {
   issues_.add(line.number, column, kind, std::move(found), "taken as missing");
-  log_.grid->phase_s.push_back(unknown);
+  log_.grid->phase_s.push_back(not_known);
 }
 
 // The event that should have come at n tau0; an error x > 0 is that of a fast clock, which is
@@ -240,7 +239,7 @@ void RowReader::add_on_grid(const Line& line, std::size_t column) {
   const auto value = parse_number(field.text, layout_.point);
   if (!value && !says_nothing(field.text)) {
     reject_field(line, field, "a number");
-    log_.grid->phase_s.push_back(unknown);
+    log_.grid->phase_s.push_back(not_known);
     return;
   }
   const bool empty =

@@ -1,4 +1,5 @@
 // Several files of one clock, read as one log.
+#include "base/special_values.hpp"
 #include "beginning.hpp"
 #include "file_parts.hpp"
 #include "typical_period.hpp"
@@ -10,13 +11,10 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <limits>
 
 namespace goingrate {
 
 namespace {
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// Reads the parts into one log, one after the other.
 class Joining {
@@ -111,7 +109,7 @@ private:
                                   assumption.setting, assumption.value});
     for (const WeatherQuantity& quantity : weather_quantities)
       if (layout.find(quantity.role))
-        (log_.columns.*quantity.values).resize(log_.events.size(), unknown);
+        (log_.columns.*quantity.values).resize(log_.events.size(), not_known);
     rows_->finish();
     layout_ = layout;
     RowReader next(layout_, options_, log_);
@@ -139,7 +137,7 @@ private:
   // A column that this file does not have is unknown in it.
   void fill_columns() {
     for (std::vector<double>* column : log_.columns.all())
-      if (!column->empty()) column->resize(log_.events.size(), unknown);
+      if (!column->empty()) column->resize(log_.events.size(), not_known);
   }
 
   // The times of file i, and their first and last lines.

@@ -2,6 +2,7 @@
 
 #include "beat_noise.hpp"
 
+#include "base/special_values.hpp"
 #include "base/time_grain.hpp"
 #include "goingrate/base/errors.hpp"
 #include "goingrate/log/reading.hpp"
@@ -9,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <limits>
 
 namespace goingrate {
 
@@ -17,7 +17,6 @@ namespace {
 
 constexpr std::size_t most_sampled = 100'000; // three medians of them take some milliseconds
 constexpr std::size_t stretches = 20;
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double normal_from_mad = 1.4826; // standard deviation over median absolute deviation
 // A jitter of 1 % of the period moves intervals by 1.4 %; seven times that is still one period.
 constexpr double widest_share = 0.1;
@@ -31,11 +30,11 @@ std::vector<double> sampled_intervals(std::span<const Beat> events) {
     const Beat* last = nullptr;
     for (const Beat& event : events.subspan(stretch.first, stretch.size())) {
       if (!may_be_up(event)) continue;
-      const double interval = last == nullptr ? unknown : event.time - last->time;
-      intervals.push_back(interval >= 0.0 ? interval : unknown);
+      const double interval = last == nullptr ? not_known : event.time - last->time;
+      intervals.push_back(interval >= 0.0 ? interval : not_known);
       last = &event;
     }
-    intervals.push_back(unknown);
+    intervals.push_back(not_known);
   }
   return intervals;
 }
@@ -119,7 +118,7 @@ bool have_a_course(std::span<const double> periods) {
   std::vector<double> known, steps;
   for (std::size_t i = 0; i < periods.size(); ++i) {
     if (std::isfinite(periods[i])) known.push_back(periods[i]);
-    const double step = i > 0 ? periods[i] - periods[i - 1] : unknown;
+    const double step = i > 0 ? periods[i] - periods[i - 1] : not_known;
     if (std::isfinite(step)) steps.push_back(step);
   }
   constexpr std::size_t fewest = 8; // to tell a course from
@@ -171,7 +170,7 @@ TypicalPeriod typical_period(std::span<const Beat> events, const std::string& so
   std::vector<double> lengths;
   for (double& interval : intervals) {
     const double n = std::isnan(interval) ? 0.0 : periods_in(interval, centre);
-    interval = n > 0.0 ? interval / n : unknown;
+    interval = n > 0.0 ? interval / n : not_known;
     if (n > 0.0) lengths.push_back(interval);
     periods += n;
   }

@@ -1,5 +1,6 @@
 #include "goingrate/log/weather.hpp"
 
+#include "base/special_values.hpp"
 #include "calendar.hpp"
 #include "typical_period.hpp"
 #include "weather_quantities.hpp"
@@ -9,14 +10,12 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <limits>
 #include <optional>
 
 namespace goingrate {
 
 namespace {
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double longest_hole = 3.0; // usual steps over which is interpolated
 
 struct Reading {
@@ -38,9 +37,9 @@ bool is_hole(const Reading& a, const Reading& b) {
 
 /// The readings of one quantity, in order of time, and the curve between them: straight lines, or a
 /// cubic spline where neighbours predict a reading better by cubics than by lines.
-class Series {
+class ReadingsCurve {
 public:
-  explicit Series(std::vector<Reading> readings)
+  explicit ReadingsCurve(std::vector<Reading> readings)
       : readings_(std::move(readings)), bend_(readings_.size(), 0.0) {
     step_s_ = usual_step(readings_);
     const double straight = left_out_rms(1), cubic = left_out_rms(2);
@@ -59,11 +58,11 @@ public:
 
   /// NaN in a hole and outside the readings. Fast where `time` rises from call to call.
   double at(const Instant& time) {
-    if (time < readings_.front().time || readings_.back().time < time) return unknown;
+    if (time < readings_.front().time || readings_.back().time < time) return not_known;
     find(time);
     const Reading &a = readings_[last_], &b = readings_[last_ + 1];
     const double h = b.time - a.time;
-    if (is_hole(a, b)) return unknown;
+    if (is_hole(a, b)) return not_known;
     const double right = (time - a.time) / h, left = 1.0 - right;
     return left * a.value + right * b.value +
            h * h / 6.0 *
@@ -143,7 +142,7 @@ private:
       sum2 += d * d;
       ++count;
     }
-    return count > 0.0 ? std::sqrt(sum2 / count) : unknown;
+    return count > 0.0 ? std::sqrt(sum2 / count) : not_known;
   }
 
   // Lagrange's polynomial through the neighbours of reading i, at i.
@@ -163,7 +162,7 @@ private:
 
   std::vector<Reading> readings_;
   std::vector<double> bend_; // second derivative at each; 0: straight lines
-  double step_s_ = 0.0, sigma_ = unknown;
+  double step_s_ = 0.0, sigma_ = not_known;
   std::size_t last_ = 0; // the reading before the time asked for last
 };
 
@@ -254,7 +253,7 @@ private:
     if (readings.size() < 2)
       throw InputError({sources.front()}, fmt::format("one reading of the {}", name),
                        "at least two");
-    put(quantity, Series(std::move(readings)),
+    put(quantity, ReadingsCurve(std::move(readings)),
         sources.size() == 1 ? sources.front()
                             : fmt::format("{} and {} more", sources.front(), sources.size() - 1));
   }
@@ -270,13 +269,13 @@ private:
     readings.insert(before ? readings.begin() : readings.end(), more.begin(), more.end());
   }
 
-  void put(const WeatherQuantity& quantity, Series series, std::string source) {
-    JoinedWeather joined{std::string(name_of(quantity.role)), std::move(source), series.size(),
-                         series.step_s(), series.sigma(), 0};
+  void put(const WeatherQuantity& quantity, ReadingsCurve curve, std::string source) {
+    JoinedWeather joined{std::string(name_of(quantity.role)), std::move(source), curve.size(),
+                         curve.step_s(), curve.sigma(), 0};
     std::vector<double>& values = log_.columns.*quantity.values;
     values.reserve(log_.events.size());
     for (const Beat& event : log_.events) {
-      values.push_back(series.at(event.time));
+      values.push_back(curve.at(event.time));
       joined.events_without += std::isnan(values.back()) ? 1 : 0;
     }
     if (joined.events_without == values.size())

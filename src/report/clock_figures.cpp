@@ -1,8 +1,10 @@
 // Figures of the clock itself: its rate against its amplitude, and the course of its drive.
+#include "palette.hpp"
 #include "report_figures.hpp"
 
 #include "wording.hpp"
 
+#include "base/robust.hpp"
 #include "base/scaled_time.hpp"
 #include "fit/gravity_share.hpp"
 
@@ -13,11 +15,6 @@
 namespace goingrate {
 
 namespace {
-
-constexpr int blue = 0;
-constexpr int vermilion = 1;
-constexpr int green = 2;
-constexpr int purple = 3;
 
 // Means over stretches of beats, because in single periods the jitter hides the dependence.
 Series stretch_means(const Analysis& data, const Wording& words) {
@@ -42,18 +39,12 @@ Series stretch_means(const Analysis& data, const Wording& words) {
   return means;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Curves of the rate against the amplitude, each laid through the middle of the points.
 class RateCurves {
 public:
   RateCurves(const Series& means, const Wording& words, double gravity_share)
-      : words_(words), gravity_share_(gravity_share), middle_x_(median(means.x)),
-        middle_y_(median(means.y)) {
+      : words_(words), gravity_share_(gravity_share), middle_x_(median_of(means.x)),
+        middle_y_(median_of(means.y)) {
     const auto [low, high] = std::minmax_element(means.x.begin(), means.x.end());
     constexpr int steps = 40;
     for (int i = 0; i <= steps; ++i)

@@ -1,8 +1,10 @@
 // Figures of a ring-down: the period against the squared amplitude, and Q against the amplitude.
+#include "palette.hpp"
 #include "report_figures.hpp"
 
 #include "wording.hpp"
 
+#include "base/robust.hpp"
 #include "fit/gravity_share.hpp"
 #include "goingrate/clock/restoring.hpp"
 #include "goingrate/report/tables.hpp"
@@ -18,16 +20,6 @@
 namespace goingrate {
 
 namespace {
-
-constexpr int blue = 0;
-constexpr int vermilion = 1;
-constexpr int green = 2;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Periods and squared amplitudes, as means over stretches of beats.
 struct Stretches {
@@ -71,7 +63,7 @@ double T0_of(const FitSummary& fit, const Stretches& points) {
   for (std::size_t i = 0; i < points.period_s.size(); ++i)
     each.push_back(points.period_s[i] /
                    period_ratio(gravity_share_of(fit), points.squared_rad2[i]));
-  return median(std::move(each));
+  return median_of(std::move(each));
 }
 
 Series theory(double T0, double gravity_share, double largest_rad2) {

@@ -1,4 +1,6 @@
 // Figures of the fitted parameters: their profiles, correlations and intervals.
+#include "base/special_values.hpp"
+#include "palette.hpp"
 #include "parameter_words.hpp"
 #include "report_figures.hpp"
 
@@ -7,16 +9,11 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <limits>
 #include <utility>
 
 namespace goingrate {
 
 namespace {
-
-constexpr int blue = 0;
-constexpr int vermilion = 1;
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 bool is_determined(const FitSummary& fit, const std::string& name) {
   const FittedParameter* found = fit.find(name);
@@ -94,7 +91,7 @@ std::optional<Figure> correlation_figure(const FitSummary& fit) {
       const auto& row = fit.correlation[shown[i]];
       cells.x.push_back(static_cast<double>(k));
       cells.y.push_back(static_cast<double>(from_foot));
-      cells.low.push_back(shown[k] < row.size() ? row[shown[k]] : unknown);
+      cells.low.push_back(shown[k] < row.size() ? row[shown[k]] : not_known);
     }
   }
   return figure;

@@ -215,7 +215,6 @@ std::string fit_text(const FitSummary& fit) {
     text += fmt::format("  {}\n    BIC {:.8g}: {}\n", a.model, a.bic, in_symbols(a.verdict));
   for (const FitNote& note : fit.notes)
     text += "note: " + in_symbols(note.text) + "\n";
-  constexpr std::size_t line_columns = 80;
   return wrapped(text, line_columns, 2);
 }
 

@@ -1,6 +1,7 @@
 #include "goingrate/report/json.hpp"
 
 #include "base/scaled_time.hpp"
+#include "base/special_values.hpp"
 #include "fit/push_shapes.hpp"
 #include "goingrate/report/tables.hpp"
 #include "json_parts.hpp"
@@ -269,10 +270,9 @@ Json line_object(const SpectralLine& line, const std::optional<DriveResponse>& r
 }
 
 Json split_object(const std::optional<DriveSplit>& split) {
-  const double unknown = std::numeric_limits<double>::quiet_NaN();
   DriveSplit parts;
-  parts.split_hz = parts.slow_time_s = unknown;
-  parts.fast = parts.slow = parts.jitter_s = {unknown, unknown, unknown};
+  parts.split_hz = parts.slow_time_s = not_known;
+  parts.fast = parts.slow = parts.jitter_s = {not_known, not_known, not_known};
   parts.note = "the log does not determine the clock's response";
   if (split) parts = *split;
   Json json = {{"split_hz", json_number(parts.split_hz)},

@@ -1,5 +1,7 @@
 #include "packed.hpp"
 
+#include "base/special_values.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -68,7 +70,6 @@ std::string packed(std::span<const double> values) {
 }
 
 std::vector<double> extremes(std::span<const double> values, std::size_t stretch) {
-  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   std::vector<double> result;
   for (std::size_t from = 0; from < values.size(); from += stretch) {
     const auto part = values.subspan(from, std::min(stretch, values.size() - from));
@@ -80,8 +81,8 @@ std::vector<double> extremes(std::span<const double> values, std::size_t stretch
       if (high == part.size() || part[i] > part[high]) high = i;
     }
     const bool known = low < part.size();
-    result.push_back(known ? part[std::min(low, high)] : unknown);
-    result.push_back(known ? part[std::max(low, high)] : unknown);
+    result.push_back(known ? part[std::min(low, high)] : not_known);
+    result.push_back(known ? part[std::max(low, high)] : not_known);
   }
   return result;
 }

@@ -7,19 +7,17 @@
 #include "wording.hpp"
 
 #include "base/scaled_time.hpp"
+#include "base/special_values.hpp"
 #include "spectra/noise_type.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <limits>
 #include <utility>
 
 namespace goingrate::page {
 
 namespace {
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 // One of the key figures at the top of the page.
 std::string card(std::string_view name, const std::string& value, std::string_view note) {
@@ -76,11 +74,11 @@ std::string interruption_table(const Interruption& event, std::size_t number,
   table.row(
       {"from", fmt::format("{} (cycle {})", words.moment(event.begin.at_s), event.begin.cycle)});
   table.row({"to", fmt::format("{} (cycle {})", words.moment(event.end.at_s), event.end.cycle)});
-  table.row({"change of rate at once", typeset(words.rate(event.rate_change, unknown))});
+  table.row({"change of rate at once", typeset(words.rate(event.rate_change, not_known))});
   if (std::isfinite(event.amplitude_before_rad) && std::isfinite(event.amplitude_after_rad))
     table.row({"amplitude before and at the end",
-               fmt::format("{} and {}", words.angle(event.amplitude_before_rad, unknown),
-                           words.angle(event.amplitude_after_rad, unknown))});
+               fmt::format("{} and {}", words.angle(event.amplitude_before_rad, not_known),
+                           words.angle(event.amplitude_after_rad, not_known))});
   if (event.decay)
     table.row({"decay of the amplitude, time constant", relaxation_text(*event.decay)});
   if (event.recovery)

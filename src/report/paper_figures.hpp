@@ -1,6 +1,8 @@
 // The scenes of the paper and its figures. Private to the report room.
 #pragma once
 
+#include "palette.hpp"
+
 #include "goingrate/dynamics/clock_run.hpp"
 #include "goingrate/report/paper.hpp"
 
@@ -11,9 +13,6 @@ inline ClockParameters point_b() { return {2.0, 2.5e-4, 4e-5, 0.03}; }
 inline ClockParameters point_c() { return {2.0, 1.167245e-4, 1.5e-5, 0.03}; }
 
 inline constexpr double drive_rms = 0.3; ///< rms of the paper's noise, relative to the torque
-
-// Indices in the palette of figures.
-inline constexpr int blue = 0, vermilion = 1, green = 2, purple = 3, orange = 4;
 
 /// A secular difference, relative, before the noise begins and after.
 struct Secular {

@@ -130,16 +130,16 @@ void add_noise_statistics(const NoiseStatistics& noise, std::vector<PaperNumber>
                    "one run, {:.1f} times our rms",
                    memory_end, longest_run, 0.04 / 4e6 / carried),
        0.5 * carried * noise.growth.sigma / noise.growth.value});
-  numbers.push_back({"mean gain by that noise", "Sec. VI", "", unknown, noise.mean_gain.value, "",
+  numbers.push_back({"mean gain by that noise", "Sec. VI", "", not_known, noise.mean_gain.value, "",
                      "the rate is no straight line in the drive; the paper does not part it from "
                      "the rms",
                      noise.mean_gain.sigma});
   numbers.push_back(
       {fmt::format("what the noise adds to the secular ψp - ψm, {} runs", compared_runs), "Sec. VI",
-       "", unknown, noise.by_noise.value, "",
+       "", not_known, noise.by_noise.value, "",
        "second order in the torque: the model of second order has it", noise.by_noise.sigma});
   numbers.push_back(
-      {"the same with half the noise", "Sec. VI", "", unknown, noise.by_half_the_noise.value, "",
+      {"the same with half the noise", "Sec. VI", "", not_known, noise.by_half_the_noise.value, "",
        "a quarter: it goes as the square of the noise", noise.by_half_the_noise.sigma});
 }
 

@@ -144,11 +144,11 @@ void add_secular(const NoisyRun& noisy, std::vector<PaperNumber>& numbers) {
                                  "more",
                                  1e9 * (noisy.secular.noisy - noisy.secular.steady))});
   numbers.push_back(
-      {"the same, the model with the circular error of eq. A1", "Sec. VI", "", unknown,
+      {"the same, the model with the circular error of eq. A1", "Sec. VI", "", not_known,
        noisy.secular_in_full.noisy, "",
        "nearer by chance: eq. A1 adds λ⁴/384 = +1.6e-8, but a free swing has -3λ⁴/1024 beyond "
        "-λ²/16; the budget has what outweighs it"});
-  numbers.push_back({"the same, the model of second order", "Sec. VI", "", unknown,
+  numbers.push_back({"the same, the model of second order", "Sec. VI", "", not_known,
                      noisy.secular_by_second.noisy, "",
                      "the secular difference is the O1 and O2 of eqs. 15 and 16, with the "
                      "noise and without: closed, third order is left"});

@@ -3,18 +3,17 @@
 
 #include "paper_figures.hpp"
 
+#include "base/special_values.hpp"
 #include "goingrate/dynamics/clock_run.hpp"
 #include "goingrate/dynamics/stationary.hpp"
 #include "goingrate/report/paper.hpp"
 
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 namespace goingrate::paper {
 
 inline constexpr double step = 0.03; ///< the paper's dt
-inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 inline double exact_rate(const ClockParameters& clock) { return limit_cycle(clock)->rate_excess; }
 inline double first_order_rate(const ClockParameters& clock) {

@@ -43,7 +43,7 @@ void add_stationary(std::vector<PaperNumber>& numbers) {
   // line in fig. rate beyond which more torque makes the clock lose.
   const auto friction = [&](Equations equations) {
     const auto points = operating_points(nominal, phi0, equations);
-    return points.empty() ? unknown : points.back().epsilon;
+    return points.empty() ? not_known : points.back().epsilon;
   };
   numbers.push_back({"friction at which μ = 1.5e-5 keeps nominal time (C)", "Sec. VI",
                      "1.167245e-4", friction(Equations::first_order), friction(Equations::exact),

@@ -100,7 +100,7 @@ ClockParameters push(double centre, double width) {
 
 double escapement_error_of(const ClockParameters& clock) {
   const auto cycle = limit_cycle(clock);
-  if (!cycle) return unknown;
+  if (!cycle) return not_known;
   const double free = 1.0 / circular_period_ratio(2.0 * std::asin(0.5 * cycle->velocity)) - 1.0;
   return cycle->rate_excess - free;
 }

@@ -6,20 +6,19 @@
 #include "base/decimal.hpp"
 #include "base/readable.hpp"
 #include "base/scaled_time.hpp"
+#include "base/special_values.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <iterator>
-#include <limits>
 
 namespace goingrate {
 
 namespace {
 
 constexpr std::int64_t rows_per_gap = 20; // a longer gap gets one row
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 // A number, or nothing if it is not known.
 void append_number(DecimalText& line, double value, int digits) {
@@ -83,7 +82,7 @@ void RateTable::append_bad(DecimalText& line, const Beat& beat, std::size_t i) {
   append_number(line, beat.amplitude_rad, 9);
   line.put(',');
   line.put(name_of(beat.flag));
-  append_extras(line, nullptr, unknown, i);
+  append_extras(line, nullptr, not_known, i);
 }
 
 void RateTable::append_good(DecimalText& line, const Beat& beat, std::size_t i) {
@@ -92,7 +91,7 @@ void RateTable::append_good(DecimalText& line, const Beat& beat, std::size_t i) 
   line.put(',');
   append_instant(line, beat.time, 9);
   line.put(',');
-  const double rate = follows ? append_period(line, beat) : unknown;
+  const double rate = follows ? append_period(line, beat) : not_known;
   if (!follows) line.put(",,");
   append_number(line, beat.amplitude_rad, 9);
   line.put(',');
@@ -120,11 +119,11 @@ void RateTable::append_extras(DecimalText& line, const Beat* beat, double rate, 
     append_number(
         line,
         known ? rate_without_circular_error(rate, beat->amplitude_rad, options_.gravity_share)
-              : unknown,
+              : not_known,
         7);
   }
   if (options_.running_cycles > 0)
-    append_number(line, beat != nullptr ? running_rate(*beat) : unknown, 7);
+    append_number(line, beat != nullptr ? running_rate(*beat) : not_known, 7);
   for (const NamedColumn& column : named(columns_))
     if (!column.values->empty()) append_number(line, (*column.values)[i], column.digits);
 }
@@ -135,7 +134,7 @@ double RateTable::running_rate(const Beat& beat) {
   recent_.push_back(beat);
   while (recent_.size() > 1 && beat.cycle - recent_[1].cycle >= options_.running_cycles)
     recent_.pop_front();
-  if (beat.cycle - recent_.front().cycle < options_.running_cycles) return unknown;
+  if (beat.cycle - recent_.front().cycle < options_.running_cycles) return not_known;
   return rate_between(recent_.front(), beat, options_.nominal_period_s);
 }
 

@@ -1,9 +1,11 @@
 #include "report_figures.hpp"
+#include "palette.hpp"
 
 #include "figure_axes.hpp"
 #include "wording.hpp"
 
 #include "base/scaled_time.hpp"
+#include "base/special_values.hpp"
 
 #include <algorithm>
 #include <array>
@@ -16,11 +18,6 @@
 namespace goingrate {
 
 namespace {
-
-constexpr int blue = 0;
-constexpr int vermilion = 1;
-constexpr int green = 2;
-constexpr int purple = 3;
 
 // A unit with a prefix: the value in this unit is the value in SI units times `factor`.
 struct Unit {
@@ -318,9 +315,8 @@ Figure deviation_figure(const Analysis& data) {
     if (!std::isfinite(row.value)) continue;
     bars.x.push_back(row.tau_s);
     bars.y.push_back(row.value);
-    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-    bars.low.push_back(row.interval ? row.low : unknown);
-    bars.high.push_back(row.interval ? row.high : unknown);
+    bars.low.push_back(row.interval ? row.low : not_known);
+    bars.high.push_back(row.interval ? row.high : not_known);
   }
   const DeviationKind kind = data.deviation.kind;
   const bool usual = kind == DeviationKind::oadev;

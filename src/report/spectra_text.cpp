@@ -15,8 +15,6 @@ namespace goingrate {
 
 namespace {
 
-constexpr std::size_t line_columns = 80; // columns
-
 std::string rms_line(const char* name, const RmsEstimate& rms, double factor, const char* unit) {
   const auto number = [](double value) { return fmt::format("{:.3g}", value); };
   return fmt::format("  {:<22} {}\n", name, rms_words(rms, factor, unit, number));

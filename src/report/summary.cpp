@@ -13,8 +13,6 @@ namespace goingrate {
 
 namespace {
 
-constexpr std::size_t line_columns = 80; // columns
-
 constexpr std::size_t widest_name = 48; // columns: leaves room for a value with its ± and unit
 
 // A name that is too long is broken, and its value is put beside its last line.

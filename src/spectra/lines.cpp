@@ -1,5 +1,6 @@
 #include "goingrate/spectra/lines.hpp"
 
+#include "base/scaled_time.hpp"
 #include "goingrate/base/errors.hpp"
 #include "goingrate/spectra/spectrum.hpp"
 
@@ -13,8 +14,6 @@
 namespace goingrate {
 
 namespace {
-
-constexpr double two_pi = 2.0 * std::numbers::pi;
 
 // The least-squares sinusoid of one frequency: c cos + s sin, and how much of the sum of squares it
 // takes.

@@ -1,4 +1,5 @@
 // Largest ranges in sliding windows: MTIE.
+#include "base/special_values.hpp"
 #include "mean_squares.hpp"
 #include "square_sums.hpp"
 
@@ -8,8 +9,6 @@
 namespace goingrate {
 
 namespace {
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 // Maximum and minimum of every window of 2^k samples. A window of another length is the union of
 // two overlapping ones, so each factor, and each doubling between factors, costs one pass over the

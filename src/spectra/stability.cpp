@@ -90,14 +90,14 @@ bool needs_an_unbroken_run(Kind kind) {
 
 // The phases from which the deviation of `kind` is computed. Unknown phases at the ends are cut off
 // if the ends matter, and gaps are bridged if the kind does not allow them.
-struct Series {
+struct PreparedPhases {
   std::vector<double> changed{}; // empty if the phases do as they are
   std::span<const double> x{};
   bool known = true; // all of x
   std::size_t bridged = 0;
 };
 
-void bridge_gaps(Series& series) {
+void bridge_gaps(PreparedPhases& series) {
   std::vector<double>& x = series.changed;
   for (std::size_t i = 1; i < x.size(); ++i) {
     if (!std::isnan(x[i])) continue;
@@ -119,9 +119,9 @@ bool takes_single_phases(Kind kind) {
          kind == Kind::tierms || kind == Kind::mtie;
 }
 
-Series prepared(Kind kind, std::span<const double> phase_s, bool known) {
+PreparedPhases prepared(Kind kind, std::span<const double> phase_s, bool known) {
   if (takes_single_phases(kind)) return {{}, phase_s, known};
-  Series series{without_end_line(phase_s), {}, known};
+  PreparedPhases series{without_end_line(phase_s), {}, known};
   std::vector<double>& x = series.changed;
   if (kind == Kind::totdev || needs_an_unbroken_run(kind)) {
     const auto is_known = [](double v) { return !std::isnan(v); };
@@ -329,7 +329,7 @@ DeviationTable stability_table(DeviationKind kind, std::span<const double> phase
   check_factors(kind, factors, phase_s.size());
   check_alpha(options.alpha);
   if (factors.empty()) return {kind, tau0_s, {}};
-  const Series series = prepared(kind, phase_s, known);
+  const PreparedPhases series = prepared(kind, phase_s, known);
   const std::span<const double> x = series.x;
   check_factors(kind, factors, x.size());
   DeviationTable table{kind, tau0_s, std::vector<DeviationRow>(factors.size()), series.bridged};

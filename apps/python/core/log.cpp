@@ -275,7 +275,7 @@ py::object estimate(const std::optional<SensorEstimate>& found) {
   return found ? py::object(py::make_tuple(found->value, found->sigma)) : py::none();
 }
 
-template <class Class> void add_arrays(Class& log) {
+template <class Class> void add_columns(Class& log) {
   const auto column = [&](const char* name, auto member) {
     log.def_property_readonly(name, [member](py::object self) {
       return column_view(self.cast<const NumberedLog&>().log.columns.*member, self);
@@ -313,7 +313,7 @@ template <class Class> void add_arrays(Class& log) {
 
 void bind_log(py::module_& module) {
   py::class_<NumberedLog, std::shared_ptr<NumberedLog>> log(module, "Log");
-  add_arrays(log);
+  add_columns(log);
   log.def_property_readonly("files", [](const NumberedLog& self) {
     std::vector<std::string> names;
     for (const LogFile& file : self.log.files)

@@ -25,6 +25,9 @@ class DecimalText;
 /// A sigma of 0 or NaN gives the value alone, with `digits` digits.
 std::string with_sigma(double value, double sigma, int digits = 6);
 
+/// Width of a terminal by tradition, to which text for people is wrapped.
+inline constexpr std::size_t line_columns = 80;
+
 /// The text with its lines broken at blanks so that none has more than `width` characters (UTF-8);
 /// a continuation line is indented like the line it continues and by `hanging` more. A word that is
 /// too long is broken after a comma, or not at all.
