@@ -142,19 +142,29 @@ std::optional<RateTerm> tide_term(const NumberedLog& loaded, const TimingData& d
   return RateTerm{"tide", "", tidal_advance(data.elapsed_s, begin, *log.site)};
 }
 
-// Whether a wheel passes for pushes: a wave gains more than they do, and none comes round with the
-// pushes or twice from push to push, as the first two harmonics of a saw-tooth do.
+// How many times the waves of the wheels come round from push to push: the greatest common divisor
+// over those that do so a whole number of times, 0 without any.
+int turns_between_pushes(const ImpulseCycle& pushes, const TimingData& data) {
+  constexpr double tolerance = 0.05; // turns
+  int common = 0;
+  for (const Wheel& wheel : data.wheels) {
+    const double turns = pushes.periods * data.reference_period_s / wheel.turn_s;
+    const double whole = std::round(turns);
+    if (whole >= 1.0 && std::abs(turns - whole) < tolerance)
+      common = std::gcd(common, static_cast<int>(whole));
+  }
+  return common;
+}
+
+// Whether a wheel passes for pushes: a wave gains more than they do, and it is no overtone of a
+// saw-tooth. A saw-tooth has waves of every number of turns from push to push, of which the second
+// may stand out alone; a wheel that turns k times has waves of multiples of k.
 bool is_a_wheels(const ImpulseCycle& pushes, const TimingData& data) {
   if (!pushes.is_regular) return false;
-  const double from_push_to_push_s = pushes.periods * data.reference_period_s;
-  const auto goes_with_pushes = [&](const Wheel& wheel) {
-    constexpr double period_tolerance = 0.01; // relative
-    return std::abs(wheel.turn_s / from_push_to_push_s - 1.0) < period_tolerance ||
-           std::abs(2.0 * wheel.turn_s / from_push_to_push_s - 1.0) < period_tolerance;
-  };
-  return std::any_of(data.wheels.begin(), data.wheels.end(),
-                     [&](const Wheel& wheel) { return wheel.gain > pushes.gain; }) &&
-         std::none_of(data.wheels.begin(), data.wheels.end(), goes_with_pushes);
+  const int turns = turns_between_pushes(pushes, data);
+  return (turns == 0 || turns > 2) &&
+         std::any_of(data.wheels.begin(), data.wheels.end(),
+                     [&](const Wheel& wheel) { return wheel.gain > pushes.gain; });
 }
 
 // The mean of the first or the last known amplitudes, rad.

@@ -123,9 +123,15 @@ void ModelSearch::include_angle_of_pushes() {
 
 namespace {
 
-// A search is made on 2000 beats, unless repeating its end on as many as the information asks for
-// would cost as much as is saved.
-constexpr std::size_t most_working_beats = 2000, least_thinned_beats = 12'000;
+// Beats to search on, and the length of a log that is worth thinning: the end of the search is
+// repeated on as many beats as the information asks for. Each amplitude tells of the drive, so that
+// more of them are kept.
+struct WorkingBeats {
+  std::size_t most, least_thinned;
+};
+WorkingBeats working_beats(const TimingData& data) {
+  return data.has_amplitude() ? WorkingBeats{16'000, 32'000} : WorkingBeats{4'000, 12'000};
+}
 
 // Beats at a stride. Under drive noise neighbouring times carry nearly the same information, so
 // thinning a long log loses little.
@@ -141,7 +147,7 @@ TimingData at_a_stride(const TimingData& data, const std::vector<FitEvent>& chan
 
 std::size_t working_stride(const TimingData& data) {
   std::size_t stride = 1;
-  while (data.size() / stride > most_working_beats)
+  while (data.size() / stride > working_beats(data).most)
     stride *= 2;
   return stride;
 }
@@ -149,7 +155,7 @@ std::size_t working_stride(const TimingData& data) {
 } // namespace
 
 void ModelSearch::thin_if_long() {
-  const bool is_thinned = first_model().walk && all_.size() >= least_thinned_beats;
+  const bool is_thinned = first_model().walk && all_.size() >= working_beats(all_).least_thinned;
   working_.data = is_thinned ? at_a_stride(all_, options_.events, working_stride(all_)) : all_;
 }
 

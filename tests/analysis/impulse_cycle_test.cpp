@@ -55,6 +55,28 @@ TEST(ImpulseCycleTest, CountsTheSwingsBetweenPushes) {
   }
 }
 
+// Under little noise every overtone of a saw-tooth is a line of its own, and may stand out more than
+// the pushes do.
+TEST(ImpulseCycleTest, OvertonesOfPushesAreNoWheels) {
+  for (const double angle : {-0.01, 0.005, 0.01}) {
+    Scenario scenario = clock_with_rests(47, 3.5e-6);
+    scenario.clock.nominal_period_s = 1.234;
+    scenario.clock.epsilon = 1.37e-4;
+    scenario.clock.impulse = 1.41e-6 * 47.0; // an amplitude of 0.04
+    scenario.clock.impulse_angle = angle;
+    scenario.drive.fast_rms = 0.0045;
+    scenario.sensor.jitter_rms_s = 6.6e-7;
+    scenario.periods = 7000;
+    const TimingData data = times_of(scenario, 3);
+    ASSERT_TRUE(data.impulses) << angle;
+    EXPECT_TRUE(data.wheels.empty()) << angle;
+    ASSERT_TRUE(data.impulses->epsilon) << angle;
+    const auto& epsilon = *data.impulses->epsilon;
+    EXPECT_LT(std::abs(epsilon.value - 1.37e-4), 4.0 * epsilon.sigma) << angle;
+    EXPECT_LT(epsilon.sigma, 1e-3 * epsilon.value) << angle;
+  }
+}
+
 // A torque cannot set the clock back at each push, as one after the middle does.
 TEST(ImpulseCycleTest, WhatIsPushedIsFittedWithImpulses) {
   Scenario scenario = clock_with_rests(15, 5e-6);
