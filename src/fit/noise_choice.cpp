@@ -43,12 +43,9 @@ bool ModelSearch::noise_is_asked_for() const {
 
 // A push that comes early or late moves the times but hardly changes the swing. With amplitudes,
 // which show the drive, such a walk of the times can be recognised, and is added if the log calls
-// for it. With noise of the drive, the error of first order looks like a walk, so second order is
-// used to judge.
-void ModelSearch::let_times_walk(FittedLaws& drive, FitDynamics dynamics) const {
+// for it.
+void ModelSearch::let_times_walk(FittedLaws& drive, FitDynamics judge) const {
   if (!all_.has_amplitude() || drive.laws.model.walk || white(drive.fitted)) return;
-  const FitDynamics judge = std::max(dynamics, FitDynamics::averaged2);
-  if (!refine(drive.fitted, judge) || white(drive.fitted)) return;
   FittedLaws both = drive;
   both.laws.model.walk = true;
   both.fitted = fit_from_any(std::array<const Fitted*, 2>{&drive.fitted, &best_}, both.laws.options,
@@ -121,12 +118,17 @@ void ModelSearch::choose_noise() {
   if (!drive.fitted.minimum.usable) return;
   // As long as the model had no such drive, changes were dated so as to explain its effects.
   move_dates(drive.fitted, drive.laws.options);
-  if (automatic) let_times_walk(drive, dynamics);
-  const bool is_hopeless = automatic && scatters_unevenly(drive.fitted);
-  auto other = is_hopeless || white(drive.fitted) ? std::nullopt : laws_that_explain(drive);
+  // With noise of the drive and amplitudes, the error of first order looks like a walk of the
+  // times.
+  const FitDynamics judge = std::max(dynamics, FitDynamics::averaged2);
+  if (automatic && all_.has_amplitude() && !white(drive.fitted)) refine(drive.fitted, judge);
+  const auto is_hopeless = [&] { return automatic && scatters_unevenly(drive.fitted); };
+  // Other laws come before a walk, in which a misfit of wrong ones would hide.
+  auto other = is_hopeless() || white(drive.fitted) ? std::nullopt : laws_that_explain(drive);
   const bool are_other = other.has_value();
   if (are_other) drive = std::move(*other);
-  Fitted slow = is_hopeless ? Fitted{} : with_slow_drive(drive, dynamics);
+  if (automatic) let_times_walk(drive, judge);
+  Fitted slow = is_hopeless() ? Fitted{} : with_slow_drive(drive, dynamics);
   const auto take_laws = [&] {
     if (best_.model.drive) options_.events = drive.laws.options.events;
     if (best_.model.drive && are_other) settled_.equal.clear(); // equal to the earlier laws

@@ -410,6 +410,37 @@ at_period = 800
   }
 }
 
+// A change of φ0 that is taken for one of the friction leaves a misfit, which a walk of the times
+// would hide.
+TEST(NoticedTest, AKindOfChangeThatAWalkWouldHide) {
+  const std::string clock = R"(
+[clock]
+nominal_period = 1.0
+epsilon = 7.4861e-4
+mu = 9.0242e-5
+phi0 = 0.010384
+[run]
+periods = 1360
+[drive]
+fast_rms = 0.03
+[sensor]
+jitter_rms = 1e-6
+amplitude_rms = 6e-5
+[[event]]
+at_period = 354
+phi0 = 0.0091447
+)";
+  for (const std::uint64_t seed : {93000002, 93000007}) {
+    SCOPED_TRACE(seed);
+    const Analysis data = analysed(clock, seed);
+    ASSERT_EQ(data.fit.events.size(), 1U);
+    EXPECT_EQ(data.fit.find("walk_rms"), nullptr);
+    expect_value(data.fit, "phi0@1", 0.0091447);
+    expect_value(data.fit, "epsilon", 7.4861e-4);
+    expect_value(data.fit, "phi0", 0.010384);
+  }
+}
+
 // Under a drive that varies, times alone leave hills between clocks that swing far and clocks that
 // swing little. The end must be no worse than the one to which the true period leads.
 TEST(NoticedTest, NoSizeOfTheSwingIsPassedBy) {
