@@ -3,6 +3,7 @@
 
 #include "support/white_noise.hpp"
 
+#include <Eigen/QR>
 #include <cmath>
 #include <gtest/gtest.h>
 
@@ -43,6 +44,33 @@ TEST(AccountTest, ADriftLeavesTheNoiseThatItStandsIn) {
   // 1.36 and 0.64; with the likeliest noise 2.09 and 0.56.
   EXPECT_LT(std::sqrt(z2 / logs), 1.6);
   EXPECT_GT(within, static_cast<int>(0.60 * logs));
+}
+
+// Course by course the gain is that of a least-squares fit of all of them at once, also if one
+// shows nothing new.
+TEST(AccountTest, GainsThatGrowAreThoseOfLeastSquares) {
+  constexpr std::size_t blocks = 200;
+  const RateBlocks made = drifting_blocks(blocks, 0.5, 0.0, 7);
+  const CourseMaker make(made);
+  Account account(made, {.wanders = false});
+  account.take({.rate = {make.power(1)}, .amplitude = {}});
+  const FixedNoiseAccount fixed = account.in_noise_beside();
+  Courses courses{.rate = {make.step(80.0)}, .amplitude = {}, .dates = 1, .times = 1};
+  GrowingGains gains(fixed);
+  double last = 0.0;
+  for (const auto& more :
+       {make.approach(80.0, 40'000.0), make.approach(80.0, 20'000.0), make.step(80.0)}) {
+    const Eigen::MatrixXd x = fixed.rate.without_taken(courses.rate);
+    const Eigen::VectorXd& y = fixed.rate.rest();
+    const Eigen::VectorXd fitted = x * x.completeOrthogonalDecomposition().solve(y);
+    const double price = fixed.price * static_cast<double>(3 + courses.rate.size());
+    last = gains.gain_of(courses);
+    // Rounding, in courses that are nearly alike.
+    EXPECT_NEAR(last, fitted.squaredNorm() - price, 1e-8);
+    EXPECT_NEAR(fixed.gain_of(courses), fitted.squaredNorm() - price, 1e-8);
+    courses.rate.push_back(more);
+  }
+  EXPECT_NEAR(gains.gain_of(courses), last - fixed.price, 1e-8); // the first course again
 }
 
 } // namespace
