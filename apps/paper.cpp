@@ -86,7 +86,7 @@ void add_paper(CLI::App& program, const GlobalOptions& global) {
   command->add_option("--seed", options->paper.seed, "seed of the driving noise")
       ->check(seed_range());
   add_json_option(*command, options->json);
-  command->footer("Example:\n  goingrate paper -o paper --figure jump");
+  command->footer("Example:\n  goingrate paper -o paper --figure jump --periods 100000");
   command->callback([options, &global] { run(*options, global); });
 }
 

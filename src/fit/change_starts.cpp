@@ -55,20 +55,24 @@ SeenChange seen_with(const TimingData& data, double at, double epsilon) {
   return {epsilon, jump, jump - (found.size[3] + found.size[4]) / data.reference_period_s};
 }
 
-// Likely values of epsilon: that of the best single exponential, and a smaller one to allow for the
-// nonlinearity of a large change.
+// Likely values of epsilon: those of the best one and two exponentials, and a smaller one to allow
+// for the nonlinearity of a large change.
 std::vector<double> likely_frictions(const TimingData& data, double at) {
   constexpr double least_epsilon = 3e-5, most_epsilon = 6e-3, factor = 1.12;
-  double best = least_epsilon, squares = std::numeric_limits<double>::infinity();
-  for (double epsilon = least_epsilon; epsilon < most_epsilon; epsilon *= factor) {
-    const double here = regressed(data, at, epsilon, 1).squares;
-    if (here < squares) {
-      squares = here;
-      best = epsilon;
+  const auto best = [&](int powers) {
+    double found = least_epsilon, squares = std::numeric_limits<double>::infinity();
+    for (double epsilon = least_epsilon; epsilon < most_epsilon; epsilon *= factor) {
+      const double here = regressed(data, at, epsilon, powers).squares;
+      if (here < squares) {
+        squares = here;
+        found = epsilon;
+      }
     }
-  }
+    return found;
+  };
   constexpr double bend_factor = 1.3; // shift of epsilon by the nonlinearity of a large change
-  return {best, best / bend_factor};
+  const double one = best(1), two = best(2);
+  return {one, two, one / bend_factor};
 }
 
 struct Clock {
@@ -152,25 +156,29 @@ std::optional<Quantity> what_changes(const Parameters& parameters) {
 
 } // namespace
 
-std::vector<std::vector<double>> starts_by_change(const Parameters& parameters,
-                                                  const TimingData& data,
-                                                  std::span<const double> otherwise) {
+std::vector<std::vector<std::vector<double>>> starts_by_change(const Parameters& parameters,
+                                                               const TimingData& data,
+                                                               std::span<const double> otherwise) {
   const auto quantity = what_changes(parameters);
   constexpr std::size_t fewest_beats = 8; // columns of the regression, and some to spare
   if (!quantity || data.size() < fewest_beats) return {};
   const double at = parameters.event_cycles.front();
-  std::vector<Clock> clocks;
+  std::vector<std::vector<std::vector<double>>> stretches;
   for (const double epsilon : likely_frictions(data, at)) {
     SeenChange seen = seen_with(data, at, epsilon);
     if (*quantity == Quantity::epsilon) seen.jump = 0.0;
-    constexpr double least_u = 0.3, most_u = 4.0, factor = 1.5; // range and ratio of u
-    for (double u = least_u; u < most_u; u *= factor)
-      add_clocks(seen, *quantity, u, clocks);
+    constexpr double least_u = 0.3, most_u = 4.0;  // range of u
+    constexpr double factor = 1.06, stretch = 1.5; // ratios of u, from clock to clock
+    for (double first = least_u; first < most_u; first *= stretch) {
+      std::vector<Clock> clocks;
+      for (double u = first; u < std::min(first * stretch, most_u); u *= factor)
+        add_clocks(seen, *quantity, u, clocks);
+      auto& points = stretches.emplace_back();
+      for (const Clock& clock : clocks)
+        points.push_back(coordinates(clock, parameters, data.reference_period_s, otherwise));
+    }
   }
-  std::vector<std::vector<double>> points;
-  for (const Clock& clock : clocks)
-    points.push_back(coordinates(clock, parameters, data.reference_period_s, otherwise));
-  return points;
+  return stretches;
 }
 
 } // namespace goingrate::timing_model

@@ -16,11 +16,12 @@
 
 namespace goingrate::timing_model {
 
-/// Starting points along that valley, by the equations for linear friction; all other coordinates
-/// are those of `otherwise`. Empty unless the model has exactly one change, of mu, phi0 or epsilon,
-/// in a constant-torque clock with all of these and lambda0 free, and some clock has such a change.
-std::vector<std::vector<double>> starts_by_change(const Parameters& parameters,
-                                                  const TimingData& data,
-                                                  std::span<const double> otherwise);
+/// Starting points along that valley, in stretches of which each is to give one, by the equations
+/// for linear friction; all other coordinates are those of `otherwise`. Empty unless the model has
+/// exactly one change, of mu, phi0 or epsilon, in a constant-torque clock with all of these and
+/// lambda0 free, and some clock has such a change.
+std::vector<std::vector<std::vector<double>>>
+starts_by_change(const Parameters& parameters, const TimingData& data,
+                 std::span<const double> otherwise);
 
 } // namespace goingrate::timing_model

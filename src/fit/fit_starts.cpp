@@ -2,6 +2,7 @@
 
 #include "change_starts.hpp"
 #include "inference.hpp"
+#include "ridge.hpp"
 
 #include "base/workers.hpp"
 #include "fit/timing_noise.hpp"
@@ -101,6 +102,31 @@ void drop_duplicates(const FitProblem& problem, std::vector<Minimum>& places, do
   places = std::move(kept);
 }
 
+namespace {
+
+// Whether the valley of the best minimum bends, so that it has several: that of a change does,
+// while without a change all lie in one flat valley. Where a date may still move, its error may
+// make them.
+bool has_bent_valley(const FitOptions& options) {
+  return !options.events.empty() &&
+         std::none_of(options.events.begin(), options.events.end(),
+                      [](const FitEvent& event) { return event.movable; });
+}
+
+// Other minima in the valley of the best one.
+std::vector<Minimum> others_in_the_valley(const FitProblem& problem, const Minimum& best) {
+  constexpr double largest_rise = 300.0; // of L on few beats, to a pass between two of them
+  const auto there = best.x.empty() ? std::nullopt : evaluate(problem, best.x);
+  if (!there) return {};
+  const Certainty known = certainty(problem, best.x, *there, {});
+  std::vector<Minimum> others;
+  for (auto& hollow : hollows_along_most_open({problem, best, known}, largest_rise))
+    others.push_back(minimise(problem, std::move(hollow), {60, 1e-2}));
+  return others;
+}
+
+} // namespace
+
 std::vector<Minimum> finalists(FitProblem problem, const FitOptions& options,
                                const NoiseGuess& noise) {
   constexpr std::size_t thinned_beats = 160; // beats that tell which valley a start lies in
@@ -117,9 +143,9 @@ std::vector<Minimum> finalists(FitProblem problem, const FitOptions& options,
   std::vector<Minimum> tried = screened(problem, clock_points);
   if (tried.size() > to_score) tried.resize(to_score);
   if (options.start.empty() && !tried.empty()) {
-    for (Minimum& start :
-         screened(problem, starts_by_change(problem.parameters, all, tried.front().x)))
-      tried.push_back(std::move(start));
+    for (const auto& stretch : starts_by_change(problem.parameters, all, tried.front().x))
+      if (auto along = screened(problem, stretch); !along.empty())
+        tried.push_back(std::move(along.front()));
   }
   const auto score = [&](int iterations) {
     share(tried.size(), [&](std::size_t i) {
@@ -140,6 +166,11 @@ std::vector<Minimum> finalists(FitProblem problem, const FitOptions& options,
   keep_usable();
   score(60);
   keep_usable();
+  if (options.start.empty() && !tried.empty() && has_bent_valley(options)) {
+    for (Minimum& other : others_in_the_valley(problem, tried.front()))
+      tried.push_back(std::move(other));
+    keep_usable();
+  }
   return tried;
 }
 

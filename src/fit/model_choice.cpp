@@ -123,15 +123,10 @@ void ModelSearch::include_angle_of_pushes() {
 
 namespace {
 
-// Beats to search on, and the length of a log that is worth thinning: the end of the search is
-// repeated on as many beats as the information asks for. Each amplitude tells of the drive, so that
-// more of them are kept.
-struct WorkingBeats {
-  std::size_t most, least_thinned;
-};
-WorkingBeats working_beats(const TimingData& data) {
-  return data.has_amplitude() ? WorkingBeats{16'000, 32'000} : WorkingBeats{4'000, 12'000};
-}
+// The search runs on few beats of a long log; its end is repeated on as many as the information
+// asks for.
+constexpr std::size_t most_working_beats = 4000;
+constexpr std::size_t least_thinned_beats = 12'000;
 
 // Beats at a stride. Under drive noise neighbouring times carry nearly the same information, so
 // thinning a long log loses little.
@@ -147,7 +142,7 @@ TimingData at_a_stride(const TimingData& data, const std::vector<FitEvent>& chan
 
 std::size_t working_stride(const TimingData& data) {
   std::size_t stride = 1;
-  while (data.size() / stride > working_beats(data).most)
+  while (data.size() / stride > most_working_beats)
     stride *= 2;
   return stride;
 }
@@ -155,7 +150,7 @@ std::size_t working_stride(const TimingData& data) {
 } // namespace
 
 void ModelSearch::thin_if_long() {
-  const bool is_thinned = first_model().walk && all_.size() >= working_beats(all_).least_thinned;
+  const bool is_thinned = first_model().walk && all_.size() >= least_thinned_beats;
   working_.data = is_thinned ? at_a_stride(all_, options_.events, working_stride(all_)) : all_;
 }
 
@@ -352,7 +347,8 @@ std::size_t ModelSearch::longest_stride(std::size_t now) const {
   for (; now > 1; now /= 2) {
     const TimingData kept = at_a_stride(all_, options_.events, now);
     there.problem = best_.problem.on(kept);
-    if (information_lost(there, at_a_stride(all_, options_.events, now / 2)) < allowed_loss) break;
+    const TimingData many = at_a_stride(all_, options_.events, std::max<std::size_t>(1, now / 8));
+    if (information_lost(there, many) < allowed_loss) break;
   }
   return now;
 }

@@ -86,7 +86,8 @@ private:
     Fitted fitted;
   };
   [[nodiscard]] std::optional<FittedLaws> laws_that_explain(const FittedLaws& driven) const;
-  void let_times_walk(FittedLaws& drive, FitDynamics dynamics) const;
+  void let_times_walk(FittedLaws& drive, const Fitted& other, FitDynamics judge) const;
+  [[nodiscard]] bool slow_drive_evens(const FittedLaws& drive) const;
   [[nodiscard]] Fitted with_slow_drive(FittedLaws& drive, FitDynamics dynamics) const;
   [[nodiscard]] Fitted roughly_fitted_near(const Laws& laws, std::size_t changed,
                                            TimingData& thin) const;

@@ -43,16 +43,26 @@ bool ModelSearch::noise_is_asked_for() const {
 
 // A push that comes early or late moves the times but hardly changes the swing. With amplitudes,
 // which show the drive, such a walk of the times can be recognised, and is added if the log calls
-// for it.
-void ModelSearch::let_times_walk(FittedLaws& drive, FitDynamics judge) const {
+// for it. `other` is one more fit to start from.
+void ModelSearch::let_times_walk(FittedLaws& drive, const Fitted& other, FitDynamics judge) const {
   if (!all_.has_amplitude() || drive.laws.model.walk || white(drive.fitted)) return;
   FittedLaws both = drive;
   both.laws.model.walk = true;
-  both.fitted = fit_from_any(std::array<const Fitted*, 2>{&drive.fitted, &best_}, both.laws.options,
+  both.fitted = fit_from_any(std::array<const Fitted*, 2>{&drive.fitted, &other}, both.laws.options,
                              both.laws.model);
   if (both.fitted.minimum.usable && refine(both.fitted, judge) &&
       both.fitted.bic < drive.fitted.bic)
     drive = std::move(both);
+}
+
+// Whether a slow drive would explain beats that scatter unevenly, judged on few of them.
+bool ModelSearch::slow_drive_evens(const FittedLaws& drive) const {
+  constexpr std::size_t few_beats = 1000;
+  const TimingData few = thinned(working_.data, drive.fitted.problem.parameters, few_beats);
+  ModelChoice model = drive.laws.model;
+  model.slow = true;
+  const Fitted slow = fit_from(drive.fitted, drive.laws.options, model, &few);
+  return slow.minimum.usable && !scatters_unevenly(slow);
 }
 
 // The fit of these laws with a slowly varying drive as well, if the log calls for it.
@@ -73,14 +83,7 @@ Fitted ModelSearch::with_slow_drive(FittedLaws& drive, FitDynamics dynamics) con
   // A fit without slow drive may have ended far from the solution: both fits serve as starts.
   Fitted slow = fit_from_any(std::array<const Fitted*, 2>{&drive.fitted, &best_}, options, model);
   if (slow.minimum.usable) refine(slow, dynamics);
-  if (!slow.minimum.usable || !model.walk || names(options, "walk_rms")) return slow;
-  // A walk found with the fast drive alone may have been the slow drive.
-  ModelChoice still = model;
-  still.walk = false;
-  Fitted without = fit_from(slow, options, still);
-  const bool is_better = without.minimum.usable && refine(without, slow.dynamics) &&
-                         without.dynamics == slow.dynamics && without.bic < slow.bic;
-  return is_better ? std::move(without) : std::move(slow);
+  return slow;
 }
 
 void ModelSearch::choose_noise() {
@@ -122,13 +125,18 @@ void ModelSearch::choose_noise() {
   // times.
   const FitDynamics judge = std::max(dynamics, FitDynamics::averaged2);
   if (automatic && all_.has_amplitude() && !white(drive.fitted)) refine(drive.fitted, judge);
-  const auto is_hopeless = [&] { return automatic && scatters_unevenly(drive.fitted); };
-  // Other laws come before a walk, in which a misfit of wrong ones would hide.
-  auto other = is_hopeless() || white(drive.fitted) ? std::nullopt : laws_that_explain(drive);
+  const bool is_uneven = automatic && scatters_unevenly(drive.fitted);
+  // Other laws come before other noise, in which a misfit of wrong ones would hide.
+  auto other = is_uneven || white(drive.fitted) ? std::nullopt : laws_that_explain(drive);
   const bool are_other = other.has_value();
   if (are_other) drive = std::move(*other);
-  if (automatic) let_times_walk(drive, judge);
-  Fitted slow = is_hopeless() ? Fitted{} : with_slow_drive(drive, dynamics);
+  FittedLaws slow = drive;
+  slow.fitted = is_uneven && !slow_drive_evens(drive) ? Fitted{} : with_slow_drive(slow, dynamics);
+  const bool is_slow = slow.fitted.minimum.usable;
+  if (automatic && !(is_slow && white(slow.fitted))) {
+    let_times_walk(drive, best_, judge);
+    if (is_slow) let_times_walk(slow, drive.fitted, judge);
+  }
   const auto take_laws = [&] {
     if (best_.model.drive) options_.events = drive.laws.options.events;
     if (best_.model.drive && are_other) settled_.equal.clear(); // equal to the earlier laws
@@ -137,10 +145,9 @@ void ModelSearch::choose_noise() {
   if (automatic) {
     take_if_better(std::move(drive.fitted), "a drive that varies explains the walk");
     take_laws(); // for the comparison with slow drive
-    choose_slow_drive(std::move(slow));
+    choose_slow_drive(std::move(slow.fitted));
   } else {
-    best_ =
-        wanted == FitNoise::slow && slow.minimum.usable ? std::move(slow) : std::move(drive.fitted);
+    best_ = wanted == FitNoise::slow && is_slow ? std::move(slow.fitted) : std::move(drive.fitted);
   }
   take_laws();
 }

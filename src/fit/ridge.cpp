@@ -275,4 +275,16 @@ std::array<RidgeSide, 2> sides_of_most_open(const ProfiledPlace& place, double l
   return sides;
 }
 
+std::vector<std::vector<double>> hollows_along_most_open(const ProfiledPlace& place,
+                                                         double largest_rise) {
+  std::vector<std::vector<double>> hollows;
+  for (const auto& [feet, is_lost] : sides_of_most_open(place, largest_rise)) {
+    for (std::size_t i = 2; i < feet.size(); ++i)
+      if (feet[i - 1].rise < feet[i - 2].rise && feet[i - 1].rise < feet[i].rise)
+        hollows.push_back(feet[i - 1].x);
+    if (is_lost) hollows.push_back(feet.back().x);
+  }
+  return hollows;
+}
+
 } // namespace goingrate::timing_model

@@ -109,4 +109,9 @@ struct RidgeSide {
 };
 std::array<RidgeSide, 2> sides_of_most_open(const ProfiledPlace& place, double largest_rise);
 
+/// Points from which a search may end elsewhere than at that minimum: the hollows of both sides, and
+/// the last foot of a side that is lost.
+std::vector<std::vector<double>> hollows_along_most_open(const ProfiledPlace& place,
+                                                         double largest_rise);
+
 } // namespace goingrate::timing_model

@@ -15,19 +15,6 @@ namespace {
 
 constexpr double largest_deficit = 4.5; // of L: three sigma
 
-// Points along the coordinate that the log leaves most open: hollows of the ridge, and its ends if
-// they are no worse than a rival may be.
-std::vector<std::vector<double>> hollows_of_the_ridge(const ProfiledPlace& home) {
-  std::vector<std::vector<double>> hollows;
-  for (const auto& [feet, is_lost] : sides_of_most_open(home, largest_deficit)) {
-    for (std::size_t i = 2; i < feet.size(); ++i)
-      if (feet[i - 1].rise < feet[i - 2].rise && feet[i - 1].rise < feet[i].rise)
-        hollows.push_back(feet[i - 1].x);
-    if (is_lost) hollows.push_back(feet.back().x);
-  }
-  return hollows;
-}
-
 } // namespace
 
 bool find_rivals(Fitted& fitted, const std::vector<std::vector<double>>& others) {
@@ -43,7 +30,7 @@ bool find_rivals(Fitted& fitted, const std::vector<std::vector<double>>& others)
   const Certainty known = certainty(check, home.x, *there, {});
   std::vector<std::vector<double>> starts = others;
   if (!all_but_known(check, known, home.x))
-    for (auto& point : hollows_of_the_ridge({check, home, known}))
+    for (auto& point : hollows_along_most_open({check, home, known}, largest_deficit))
       starts.push_back(std::move(point));
   std::vector<Minimum> found(starts.size());
   constexpr double largest_first_order_error =

@@ -47,6 +47,9 @@ INSTANTIATE_TEST_SUITE_P(EndsOfEveryDynamics, DrawnFromAPrior, testing::Values(1
 // Two ends that few beats do not tell apart and all do.
 INSTANTIATE_TEST_SUITE_P(OneOnFewBeats, DrawnFromAPrior, testing::Values(128160531U));
 
+// A valley with a wrong hollow between the starts and the best one.
+INSTANTIATE_TEST_SUITE_P(HollowsOfAValley, DrawnFromAPrior, testing::Values(131000199U));
+
 // The same clocks, changed at 0.3 of a swing. With the change at the crossing before it they end up
 // to 24 sigma off; what is stated is good to five (0.6 to 2 here).
 class ChangedInASwing : public testing::TestWithParam<std::uint64_t> {};
@@ -73,7 +76,8 @@ TEST_P(ChangedInASwing, IsFoundAllTheSame) {
     ++stated;
     EXPECT_NEAR(fit[name].value, value, 5.0 * fit[name].sigma) << name;
   }
-  EXPECT_GE(stated, 4);
+  // 520: another clock is 2.4 of 2 log L behind, so that few parameters are known.
+  EXPECT_TRUE(stated >= 4 || !fit.twins.empty()) << stated;
 }
 
 INSTANTIATE_TEST_SUITE_P(Prior, ChangedInASwing, testing::Values(505U, 516U, 520U));
@@ -106,6 +110,10 @@ TEST_P(RoughFromAPrior, EndsWhereAFitFromTheTruthEnds) {
 // pendulum with a walk would explain better than noise of the times alone.
 INSTANTIATE_TEST_SUITE_P(Prior, RoughFromAPrior,
                          testing::Values(7001U, 7003U, 7004U, 7109U, 7160U));
+
+// With a fast drive alone the beats scatter unevenly.
+INSTANTIATE_TEST_SUITE_P(UnevenWithoutSlowDrive, RoughFromAPrior,
+                         testing::Values(131000098U, 131000110U));
 
 // A start before and after its change, by the laws that the fit uses.
 struct Start {
@@ -145,16 +153,17 @@ TEST(ChangeStartsTest, ClocksOfOneFrictionShareJumpAndDifference) {
     const std::vector<double> zeros(parameters.free_count, 0.0);
     std::map<long, Start> first; // by the friction that relaxes, to 1e-9 of its logarithm
     int compared = 0;
-    for (const auto& point : timing_model::starts_by_change(parameters, data, zeros)) {
-      const Start start(parameters, point);
-      const auto [group, is_new] =
-          first.try_emplace(std::lround(1e9 * std::log(start.after.epsilon)), start);
-      if (is_new) continue;
-      ++compared;
-      const double rounding = 1e-12; // rates are some 1e-4
-      EXPECT_NEAR(start.jump(), group->second.jump(), rounding) << seed;
-      EXPECT_NEAR(start.difference(), group->second.difference(), rounding) << seed;
-    }
+    for (const auto& stretch : timing_model::starts_by_change(parameters, data, zeros))
+      for (const auto& point : stretch) {
+        const Start start(parameters, point);
+        const auto [group, is_new] =
+            first.try_emplace(std::lround(1e9 * std::log(start.after.epsilon)), start);
+        if (is_new) continue;
+        ++compared;
+        const double rounding = 1e-12; // rates are some 1e-4
+        EXPECT_NEAR(start.jump(), group->second.jump(), rounding) << seed;
+        EXPECT_NEAR(start.difference(), group->second.difference(), rounding) << seed;
+      }
     EXPECT_GE(compared, 4) << seed << ' ' << drawn.changed;
   }
 }

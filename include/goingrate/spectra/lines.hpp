@@ -1,10 +1,11 @@
 // Lines: strictly periodic parts of a series, such as a wheel with a bad tooth causes.
 //
 // A sinusoid of amplitude A in N values of noise of variance sigma^2 rises above the periodogram of
-// the noise by a factor A^2 N / (4 sigma^2). Noise exceeds R times its density, as estimated from a
-// median over n ordinates, at one frequency with probability (1 + R/nu)^-nu, nu = n (ln 2)^2 / 2,
-// which tends to exp(-R). A line means little below three periods in the whole series, where slow
-// wander looks like one, and if its period wanders by more than one cycle over the series.
+// the noise by a factor A^2 N / (4 sigma^2), and through the window of the search by 9/11 of it.
+// Noise exceeds R times its density, as estimated from a median over n ordinates, at one frequency
+// with probability (1 + R/nu)^-nu, nu = 9 n (ln 2)^2 / 22, which tends to exp(-R). A line means
+// little below three periods in the whole series, where slow wander looks like one, and if its
+// period wanders by more than one cycle over the series.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +22,7 @@ struct SpectralLine {
   double amplitude;       ///< of a sin(2 pi f t + phase), unit of the series
   double amplitude_sigma; ///< from the density around the line
   double phase_rad;       ///< at the first value of the series, -pi to pi
-  double ratio;           ///< periodogram over the density around it
+  double ratio;           ///< A^2 N / (4 sigma^2), sigma^2 from the density around it
   double false_alarm;     ///< probability that noise shows such a ratio anywhere in the search
   /// For a sideband: the index, in the list, of the line it belongs to.
   std::optional<std::size_t> sideband_of{};
@@ -37,10 +38,11 @@ struct LineSearch {
 
 /// Finds the lines of a series, the strongest first; each is removed before the next is searched.
 ///
-/// The periodogram on frequencies half a resolution apart is compared with the density around each:
-/// medians over blocks of up to `around` resolutions (at low frequencies over half the frequency,
-/// so that a slope does not count as a line), divided by ln 2. false_alarm = 1 - (1 - p)^N with N
-/// values (twice the independent frequencies: the finer grid gives noise more chances). Frequency,
+/// The periodogram on frequencies half a resolution apart, through a window that tapers a quarter
+/// of the series at each end, is compared with the density around each frequency: medians over
+/// blocks of up to `around` resolutions (at low frequencies over half the frequency, so that a
+/// slope does not count as a line), divided by ln 2. false_alarm = 1 - (1 - p)^N with N values
+/// (twice the independent frequencies: the finer grid gives noise more chances). Frequency,
 /// amplitude and phase are then found by least squares.
 ///
 /// A periodic part whose amplitude or frequency changes within the series appears as one line with
@@ -50,7 +52,8 @@ struct LineSearch {
 ///
 /// `series`: 64 or more finite values; `interval_s` above 0. Throws ArgumentError otherwise.
 /// Accuracy: white and red noise show a line no more often than false_alarm says
-/// (LinesTest.NoiseShowsALineNoOftenerThanItSays, LinesTest.ARedContinuumHasNoLines); frequency and
+/// (LinesTest.NoiseShowsALineNoOftenerThanItSays, LinesTest.ARedContinuumHasNoLines,
+/// LinesTest.ASeriesThatDriftsHasNoLines); frequency and
 /// amplitude are as accurate as their Cramer-Rao bounds (LinesTest.FindsALineToItsBound). Cost: one
 /// transform of 2 N values per line.
 [[nodiscard]] std::vector<SpectralLine>
