@@ -117,8 +117,8 @@ TEST_F(BatchCommandTest, ASettingMayFollowTheLog) {
 class InterruptedBatchTest : public BatchCommandTest, public testing::WithParamInterface<int> {};
 
 TEST_P(InterruptedBatchTest, IsTakenUp) {
-  const std::string words = realisations() + "--set run.periods=4000 -o out.jsonl --threads 2";
-  ASSERT_EQ(run(realisations() + "--set run.periods=4000 -o whole.jsonl").code, 0);
+  const std::string words = realisations() + "--set run.periods=2000 -o out.jsonl --threads 2";
+  ASSERT_EQ(run(realisations() + "--set run.periods=2000 -o whole.jsonl").code, 0);
   const std::string interrupted =
       fmt::format("cd '{0}'; env --default-signal=INT '{1}' {2} 2> err.txt & pid=$!; "
                   "while [ \"$(wc -l < out.jsonl.part 2> /dev/null || echo 0)\" -lt 5 ] "

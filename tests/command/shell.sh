@@ -59,7 +59,7 @@ expect 'goingrate rate --nominal-period ' ''
 for command in $(completed 'goingrate '); do
   goingrate "$command" --help > help.txt || fault "completion offers $command, which is no command"
   for option in $(completed "goingrate $command --"); do
-    goingrate "$command" --help | grep -qF -- "$option" || [ "$option" = --quiet ] || [ "$option" = --version ] \
+    grep -qF -- "$option" help.txt || [ "$option" = --quiet ] || [ "$option" = --version ] \
       || fault "completion offers $command $option, which --help does not know"
   done
 done
