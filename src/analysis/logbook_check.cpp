@@ -42,19 +42,28 @@ std::optional<PlannedRatio> planned_by(const LogbookEntry& entry) {
   return PlannedRatio{1.0 + entry.value, entry.sigma};
 }
 
+// What a moment in a log may be off by from that of a note: a clock that is read now and then shows
+// a change between two readings only.
+double tolerance_s(std::span<const Beat> beats) {
+  const double apart_s =
+      (beats.back().time - beats.front().time) / static_cast<double>(beats.size() - 1);
+  return std::max(note_tolerance_s, apart_s);
+}
+
 /// The times, s after the first beat, at which something noted at `at_s` may have happened.
 struct Span {
   double from_s, to_s;
-  explicit Span(const LogbookEntry& entry, double at_s)
-      : from_s(at_s - note_tolerance_s),
-        to_s(at_s + note_tolerance_s + (entry.whole_day ? seconds_per_day : 0.0)) {}
+  explicit Span(const LogbookEntry& entry, double at_s, std::span<const Beat> beats)
+      : from_s(at_s - tolerance_s(beats)),
+        to_s(at_s + tolerance_s(beats) + (entry.whole_day ? seconds_per_day : 0.0)) {}
   [[nodiscard]] bool holds(double at_s) const { return at_s >= from_s && at_s <= to_s; }
 };
 
 // The change that belongs to the entry, among those that no other entry has claimed: the nearest,
 // or, where only the day is known, the most significant.
-Change* change_for(const LogbookEntry& entry, double at_s, std::vector<Change>& changes) {
-  const Span span(entry, at_s);
+Change* change_for(const LogbookEntry& entry, double at_s, std::span<const Beat> beats,
+                   std::vector<Change>& changes) {
+  const Span span(entry, at_s, beats);
   Change* best = nullptr;
   const auto is_better = [&](const Change& a, const Change& b) {
     return entry.whole_day ? a.significance > b.significance
@@ -83,7 +92,7 @@ Change change_at(double at_s, std::span<const Beat> beats) {
 void take_entry(const LogbookEntry& entry, std::span<const Beat> beats, Diary& diary) {
   constexpr double same_moment_s = 60.0;
   const double at_s = entry.time - beats.front().time;
-  Change* change = change_for(entry, at_s, diary.changes);
+  Change* change = change_for(entry, at_s, beats, diary.changes);
   const auto is_taken = [&](const Change& known) {
     return known.noted && std::abs(known.at_s - at_s) < same_moment_s;
   };
@@ -122,7 +131,7 @@ public:
 private:
   EntryFinding finding(const LogbookEntry& entry) {
     EntryFinding found{.entry = entry, .at_s = entry.time - first_};
-    const Span span(entry, found.at_s);
+    const Span span(entry, found.at_s, data_.beats);
     if (const auto seen = finding_for(entry, span)) {
       written_[*seen] = true;
       found.found_at_s = findings_[*seen].time - first_;
@@ -192,7 +201,7 @@ private:
       if (known.noted && known.kind == *kind_of(entry.what) &&
           (change == nullptr || std::abs(known.at_s - at_s) < std::abs(change->at_s - at_s)))
         change = &known;
-    if (change == nullptr || !Span(entry, found.at_s).holds(change->at_s)) return;
+    if (change == nullptr || !Span(entry, found.at_s, data_.beats).holds(change->at_s)) return;
     if (entry.what == LogbookWord::rate) {
       const RateStep step = step_of(*change);
       found.found = seconds_per_day * step.rate;

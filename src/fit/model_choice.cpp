@@ -337,20 +337,25 @@ void ModelSearch::choose_on_few_beats(const std::function<void()>& choose) {
   best_.problem.data = &working_.data;
 }
 
-// The largest stride that keeps the information, according to the fit. For times alone it follows
-// from their spectrum; with amplitudes it is the stride at which twice as many beats would add
-// little.
-std::size_t ModelSearch::longest_stride(std::size_t now) const {
+// The beats by which those at a stride are judged: eight times as many, or all.
+TimingData ModelSearch::beats_to_judge(std::size_t stride) const {
+  return at_a_stride(all_, options_.events, std::max<std::size_t>(1, stride / 8));
+}
+
+// The largest stride that keeps the information, according to the fit.
+// For times alone it follows from their spectrum; with amplitudes it is the stride at which many
+// more beats would add little.
+std::size_t ModelSearch::longest_stride() const {
   constexpr double allowed_loss = 0.04;
   if (!all_.has_amplitude()) return timing_model::longest_stride(*noise_shape(best_), allowed_loss);
   Fitted there = best_;
-  for (; now > 1; now /= 2) {
-    const TimingData kept = at_a_stride(all_, options_.events, now);
+  std::size_t stride = working_stride(all_);
+  for (; stride > 1; stride /= 2) {
+    const TimingData kept = at_a_stride(all_, options_.events, stride);
     there.problem = best_.problem.on(kept);
-    const TimingData many = at_a_stride(all_, options_.events, std::max<std::size_t>(1, now / 8));
-    if (information_lost(there, many) < allowed_loss) break;
+    if (information_lost(there, beats_to_judge(stride)) < allowed_loss) break;
   }
-  return now;
+  return stride;
 }
 
 // Repeats the fit with as many beats as are needed to keep the information.
@@ -359,7 +364,7 @@ void ModelSearch::thin_by_information() {
   working_.thinning = {working_.data.size(), std::numeric_limits<double>::quiet_NaN()};
   if (!best_.model.drive) return;
   constexpr std::size_t stride_ratio = 8;
-  const std::size_t final_stride = longest_stride(working_stride(all_));
+  const std::size_t final_stride = longest_stride();
   // The number of beats grows in stages, so that most steps of the search are made on few beats.
   std::size_t stride = final_stride;
   while (all_.size() / (stride * stride_ratio) > working_.data.size())
@@ -373,9 +378,11 @@ void ModelSearch::thin_by_information() {
     finer_ = std::move(kept);
     finer.problem.data = &finer_;
     best_ = std::move(finer);
-    working_.thinning = {finer_.size(), all_.has_amplitude() ? information_lost(best_, all_)
-                                                             : information_lost(*shape, stride)};
-    if (stride == final_stride) return;
+    if (stride > final_stride) continue;
+    working_.thinning = {finer_.size(), all_.has_amplitude()
+                                            ? information_lost(best_, beats_to_judge(stride))
+                                            : information_lost(*shape, stride)};
+    return;
   }
 }
 

@@ -112,7 +112,8 @@ private:
   void choose_noise();
   void take_dates_of_best();
   void choose_on_few_beats(const std::function<void()>& choose);
-  [[nodiscard]] std::size_t longest_stride(std::size_t now) const;
+  [[nodiscard]] TimingData beats_to_judge(std::size_t stride) const;
+  [[nodiscard]] std::size_t longest_stride() const;
   void thin_by_information();
   bool take_if_better(Fitted&& other, const std::string& why);
   void choose_slow_drive(Fitted&& slow);

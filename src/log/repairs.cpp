@@ -6,7 +6,9 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <numeric>
+#include <optional>
 #include <span>
+#include <type_traits>
 #include <utility>
 
 namespace goingrate {
@@ -206,9 +208,11 @@ void turn_round(ClockLog& log) {
 
 namespace {
 
-// Labels as seconds after the first, and the grid to which they are moved.
+// Labels as seconds after the first, the clock's errors there, and the grid to which they are
+// moved.
 struct Labels {
   std::vector<double> after_s;
+  std::span<const double> errors_s;
   double step_s, begin_s; ///< of the grid
   [[nodiscard]] double place(std::size_t i) const {
     return std::round((after_s[i] - begin_s) / step_s);
@@ -218,33 +222,64 @@ struct Labels {
   }
 };
 
-// How much larger the clock's error at the grid time is than at label i.
-double error_moved(const Labels& labels, std::span<const double> errors_s, std::size_t i) {
-  const bool is_early = labels.off_s(i) < 0.0;
-  const std::size_t last = errors_s.size() - 1;
-  const std::size_t from = is_early ? std::min(i, last - 1) : std::max<std::size_t>(i, 1) - 1;
-  const double gap_s = labels.after_s[from + 1] - labels.after_s[from];
-  return gap_s > 0.0 ? -labels.off_s(i) * (errors_s[from + 1] - errors_s[from]) / gap_s : 0.0;
+// A reading at a time of the grid: on the straight line through readings `before` and the next.
+struct Moved {
+  std::size_t nearest, before;
+  double by_s; ///< what its time is later than that of the nearest
+};
+
+// Nothing where no reading is near, unless the grid time lies between two that are three steps
+// apart at most, or no farther than those of an evening and the next morning.
+std::optional<Moved> reading_at(const Labels& labels, double place) {
+  const std::vector<double>& after = labels.after_s;
+  const double at_s = labels.begin_s + place * labels.step_s;
+  const auto next = std::upper_bound(after.begin(), after.end(), at_s);
+  const auto last = static_cast<std::ptrdiff_t>(after.size()) - 2;
+  const auto before = static_cast<std::size_t>(
+      std::clamp<std::ptrdiff_t>(std::distance(after.begin(), next) - 1, 0, last));
+  const bool is_first = std::abs(after[before] - at_s) <= std::abs(after[before + 1] - at_s);
+  const std::size_t nearest = is_first ? before : before + 1;
+  constexpr double longest_night_s = 57600.0;
+  const double gap_s = after[before + 1] - after[before];
+  const bool is_between = at_s >= after[before] && at_s <= after[before + 1];
+  if (labels.place(nearest) != place && !(is_between && gap_s <= longest_night_s)) return {};
+  const double late_s = at_s - after[nearest];
+  const double gained_s =
+      gap_s > 0.0 ? late_s * (labels.errors_s[before + 1] - labels.errors_s[before]) / gap_s : 0.0;
+  return Moved{nearest, before, late_s - gained_s};
 }
 
-// The regular interval that a usual step is close to: a week, a day, an hour and the like.
-double round_step(double usual_s) {
-  constexpr double largest_departure = 0.25;
-  for (const double step_s : {604800.0, 86400.0, 43200.0, 21600.0, 3600.0, 1800.0, 600.0, 60.0})
+// The step of a grid: a week, a day or another regular interval that the usual step is close to; of
+// several readings a day, as many as on a day that has any.
+double even_step(const std::vector<double>& after_s, double usual_s) {
+  constexpr double day_s = 86400.0, largest_departure = 0.25;
+  if (usual_s < 0.5 * day_s && after_s.back() > 2.0 * day_s) {
+    double days = 1.0, begun_s = 0.0; // a day ends with a night
+    for (const double at_s : after_s)
+      if (at_s >= begun_s + 0.75 * day_s) {
+        begun_s = at_s;
+        ++days;
+      }
+    return day_s / std::round(static_cast<double>(after_s.size()) / days);
+  }
+  for (const double step_s : {604800.0, day_s, 43200.0, 21600.0, 3600.0, 1800.0, 600.0, 60.0})
     if (std::abs(usual_s / step_s - 1.0) < largest_departure) return step_s;
   return usual_s;
 }
 
-void keep_events(ClockLog& log, const std::vector<std::size_t>& kept) {
-  const auto keep = [&](auto& values) {
+void put_in_place(ClockLog& log, const std::vector<Moved>& readings) {
+  const auto take = [&](auto& values) {
     if (values.empty()) return;
-    for (std::size_t k = 0; k < kept.size(); ++k)
-      values[k] = values[kept[k]];
-    values.resize(kept.size());
+    std::remove_reference_t<decltype(values)> taken;
+    for (const Moved& moved : readings)
+      taken.push_back(values[moved.nearest]);
+    values = std::move(taken);
   };
-  keep(log.events);
+  take(log.events);
   for (std::vector<double>* column : log.columns.all())
-    keep(*column);
+    take(*column);
+  for (std::size_t i = 0; i < readings.size(); ++i)
+    log.events[i].time = log.events[i].time + readings[i].by_s;
 }
 
 } // namespace
@@ -252,7 +287,7 @@ void keep_events(ClockLog& log, const std::vector<std::size_t>& kept) {
 double level_labels(ClockLog& log, std::span<const double> clock_errors_s, double label_step_s) {
   auto& events = log.events;
   if (clock_errors_s.size() != events.size() || events.size() < 2) return label_step_s;
-  Labels labels{{}, label_step_s, 0.0};
+  Labels labels{{}, clock_errors_s, label_step_s, 0.0};
   for (std::size_t i = 0; i < events.size(); ++i)
     labels.after_s.push_back(events[i].time - events.front().time + clock_errors_s[i] -
                              clock_errors_s.front());
@@ -262,30 +297,26 @@ double level_labels(ClockLog& log, std::span<const double> clock_errors_s, doubl
     uneven += std::abs(std::remainder(labels.after_s[i] - labels.after_s[i - 1], label_step_s)) >
               label_grain_s;
   if (2 * uneven <= events.size()) return label_step_s;
-  labels.step_s = round_step(label_step_s);
+  labels.step_s = even_step(labels.after_s, label_step_s);
   std::vector<double> off;
   for (std::size_t i = 0; i < events.size(); ++i)
     off.push_back(labels.off_s(i));
   labels.begin_s = median(off);
-  std::vector<std::size_t> kept; // the one nearest to each even time
-  for (std::size_t i = 0; i < events.size(); ++i) {
-    const bool again = !kept.empty() && labels.place(i) == labels.place(kept.back());
-    if (!again)
-      kept.push_back(i);
-    else if (std::abs(labels.off_s(i)) < std::abs(labels.off_s(kept.back())))
-      kept.back() = i;
-  }
-  for (const std::size_t i : kept)
-    events[i].time = events[i].time + -labels.off_s(i) + -error_moved(labels, clock_errors_s, i);
-  log.assumptions.push_back(
-      {fmt::format("readings at uneven times moved to one every {} s, by the straight line between "
-                   "neighbours{}",
-                   labels.step_s,
-                   kept.size() < events.size()
-                       ? fmt::format("; {} of them not used, being nearest to the same time",
-                                     events.size() - kept.size())
-                       : "")});
-  keep_events(log, kept);
+  std::vector<Moved> readings;
+  std::vector<bool> is_used(events.size());
+  for (double place = labels.place(0); place <= labels.place(events.size() - 1); ++place)
+    if (const auto moved = reading_at(labels, place)) {
+      readings.push_back(*moved);
+      is_used[moved->before] = is_used[moved->before + 1] = true;
+    }
+  const auto unused = std::count(is_used.begin(), is_used.end(), false);
+  log.assumptions.push_back({fmt::format(
+      "readings at uneven times moved to one every {} s, by the straight line between "
+      "neighbours{}",
+      labels.step_s,
+      unused > 0 ? fmt::format("; {} of them not used, being next to none of these", unused)
+                 : "")});
+  put_in_place(log, readings);
   return labels.step_s;
 }
 

@@ -19,15 +19,16 @@ constexpr DisplayUnit per_day{"s/day", seconds_per_day};
 constexpr DisplayUnit thousandths_per_day{"ms/day", 1e3 * seconds_per_day};
 constexpr DisplayUnit millionths_per_day{"µs/day", 1e6 * seconds_per_day};
 
-double size_of(const PartRate& part) {
-  const double sigma = part.rate.rate_excess_sigma;
-  return std::max(std::abs(part.rate.rate_excess), std::isfinite(sigma) ? sigma : 0.0);
+// A rate that is smaller than its sigma is of that size.
+double size_of(const RateSummary& rate) {
+  const double sigma = rate.rate_excess_sigma;
+  return std::max(std::abs(rate.rate_excess), std::isfinite(sigma) ? sigma : 0.0);
 }
 
 double largest_rate(const Analysis& data) {
-  double largest = std::abs(data.rate.rate_excess);
+  double largest = size_of(data.rate);
   for (const PartRate& stretch : data.stretches)
-    largest = std::max(largest, size_of(stretch));
+    largest = std::max(largest, size_of(stretch.rate));
   return largest;
 }
 
@@ -165,6 +166,7 @@ Wording::Wording(const Analysis& data)
   if (data.beats.empty()) return;
   first_ = data.beats.front().time;
   is_dated_ = may_be_date(first_);
+  readings_s_ = is_read_ ? data.rate.nominal_period_s : 0.0;
   constexpr double least_spacing_s = 20.0 * 3600.0; // of readings that are told by their day
   if (data.rate.nominal_period_s > least_spacing_s) spacing_s_ = data.rate.nominal_period_s;
 }
@@ -205,11 +207,25 @@ std::string Wording::day(double at_s) const {
   return date_and_time(first_ + (spacing_s_ * std::round(at_s / spacing_s_) + clock_error_s)).date;
 }
 
+// A clock that is read every few hours shows a change to the hour at best, one that strikes or is
+// read more often to the minute.
+std::pair<std::string, std::string> Wording::dated(double at_s) const {
+  constexpr double minute_s = 60.0, hour_s = 3600.0;
+  double to_grain_s = 0.0;
+  if (is_read_) {
+    const double grain_s = readings_s_ > hour_s ? hour_s : minute_s;
+    const double now_s = static_cast<double>(first_.seconds) + at_s;
+    to_grain_s = grain_s * std::round(now_s / grain_s) - now_s;
+  }
+  const auto [date, time] = date_and_time(first_ + (at_s + to_grain_s));
+  return {date, is_read_ ? time.substr(0, std::string_view("00:00").size()) : time};
+}
+
 std::string Wording::moment(double at_s) const {
   if (!is_dated_) return time_since(at_s) + " after the first beat";
   if (spacing_s_ > 0.0) return "on " + day(at_s);
-  const auto [date, time] = date_and_time(first_ + at_s);
-  return "on " + date + " at " + time;
+  const auto [date, time] = dated(at_s);
+  return "on " + date + (is_read_ ? " at about " : " at ") + time;
 }
 
 std::string Wording::moments(double first_s, double second_s) const {
@@ -230,7 +246,7 @@ std::string Wording::span(double from_s, double to_s) const {
 std::string Wording::short_moment(double at_s) const {
   if (!is_dated_) return time_since(at_s);
   if (spacing_s_ > 0.0) return day(at_s);
-  const auto [date, time] = date_and_time(first_ + at_s);
+  const auto [date, time] = dated(at_s);
   return date + " " + time;
 }
 

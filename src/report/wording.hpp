@@ -6,6 +6,7 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace goingrate {
@@ -76,11 +77,14 @@ private:
   [[nodiscard]] std::string time_since(double at_s) const;
   // The date of the reading nearest to that moment.
   [[nodiscard]] std::string day(double at_s) const;
+  // Date and time of day, no finer than the readings tell.
+  [[nodiscard]] std::pair<std::string, std::string> dated(double at_s) const;
 
   DisplayUnit rate_, deviation_, angle_, duration_, moment_;
   Instant first_;
   bool is_dated_ = false, is_read_ = false;
-  double spacing_s_ = 0.0; // of readings a day or more apart, else 0
+  double spacing_s_ = 0.0;  // of readings a day or more apart, else 0
+  double readings_s_ = 0.0; // between readings of a clock; 0 for beats
 };
 
 /// The text with its first letter as a capital.

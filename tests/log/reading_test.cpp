@@ -198,5 +198,27 @@ TEST(ReadingTest, ErrorsReadAtUnevenTimes) {
   EXPECT_NEAR(log.events[26].time - log.events[0].time, 27.0 * 86400.0 - 13.5, 0.012);
 }
 
+// Nights are bridged, so that none of the even times is missing.
+TEST(ReadingTest, ErrorsReadSeveralTimesADay) {
+  RandomStream moment(6, StreamPurpose::jitter);
+  constexpr double lost_a_day = 1.5;
+  for (const char* name : {"error", "seconds fast", "offset_s", "deviation [s]"}) {
+    std::string text = fmt::format("date,time,{}\n", name);
+    for (int day = 1; day <= 14; ++day)
+      for (const int hour : {8, 12, 17, 21}) {
+        const int minute = static_cast<int>(60.0 * moment.uniform());
+        text += fmt::format("2024-03-{:02},{:02}:{:02},{:.2f}\n", day, hour, minute,
+                            -lost_a_day * (day + hour / 24.0 + minute / 1440.0));
+      }
+    const ClockLog log = read_log(text, "errors");
+    ASSERT_EQ(log.nominal_period_s, 21600.0) << name;
+    EXPECT_NEAR(static_cast<double>(log.events.size()), 55.0, 1.0); // 13.5 days
+    const double step_s = 21600.0 * (1.0 + lost_a_day / 86400.0);
+    for (std::size_t i = 0; i < log.events.size(); ++i) // rounding of the first and of two more
+      EXPECT_NEAR(log.events[i].time - log.events[0].time, static_cast<double>(i) * step_s, 0.012)
+          << name;
+  }
+}
+
 } // namespace
 } // namespace goingrate

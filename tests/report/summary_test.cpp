@@ -1,4 +1,5 @@
 // The summary: sentences that are true by themselves, and one table.
+#include "goingrate/base/random.hpp"
 #include "goingrate/report/json.hpp"
 #include "goingrate/report/report.hpp"
 
@@ -314,6 +315,42 @@ TEST(SummaryTest, AShortLogIsNotJudged) {
   const std::string text = all_of(report_sentences(quiet_report(50)));
   EXPECT_NE(text.find("too short, with 50 beats"), std::string::npos) << text;
   EXPECT_EQ(text.find("Nothing is wrong"), std::string::npos) << text;
+}
+
+// Four readings a day, by 0.2 s, and the nut turned on the sixteenth day at 9:36: a note of that
+// moment belongs to the change, whose time is told to the hour.
+TEST(SummaryTest, ReadingsSeveralTimesADayTellAChange) {
+  RandomStream random(77, StreamPurpose::jitter);
+  std::string text = "date,time,error\n";
+  for (int day = 1; day <= 30; ++day)
+    for (const int hour : {8, 12, 18, 21}) {
+      const int minute = static_cast<int>(60.0 * random.uniform());
+      const double at_days = day + (hour + minute / 60.0) / 24.0, turned_days = 16.4;
+      text += fmt::format("2024-03-{:02},{:02}:{:02},{:+.1f}\n", day, hour, minute,
+                          6.0 * at_days - 7.5 * std::max(0.0, at_days - turned_days) +
+                              0.2 * random.normal());
+    }
+  LoadRequest log;
+  log.path = "read.csv";
+  AnalysisRequest asked;
+  asked.logbook =
+      parse_logbook("time,what,value,sigma,note\n2024-03-16 09:36,rate,-7.5,,nut\n", "diary");
+  const Analysis data = analyse(load_text(text, log), asked);
+  ASSERT_EQ(data.diary.changes.size(), 1u);
+  EXPECT_TRUE(data.logbook->unwritten.empty());
+  EXPECT_NE(data.logbook->entries.at(0).verdict, EntryVerdict::not_seen);
+  EXPECT_NEAR(data.now.rate.rate_excess * 86400.0, -1.5,
+              3.0 * data.now.rate.rate_excess_sigma * 86400.0);
+  const std::string told = all_of(report_sentences(data));
+  EXPECT_NE(told.find("The rate changed on 2024-03-16 at about "), told.npos) << told;
+  EXPECT_EQ(value_of(data, "readings in 29.5 days").find(" 0 missed") == std::string::npos, false);
+}
+
+// A rate of nothing is told in a unit of what it may be.
+TEST(SummaryTest, ThreeWholeSecondsTellNoMillionths) {
+  const std::string told = all_of(report_sentences(analysed("1.0\n3.0\n5.0\n")));
+  EXPECT_NE(told.find(" s/day"), told.npos) << told;
+  EXPECT_EQ(told.find("µs/day"), told.npos) << told;
 }
 
 // Daily readings, some of a steady clock and some of one whose rate falls from -1 to -13 s/day.

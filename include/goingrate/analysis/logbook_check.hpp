@@ -53,8 +53,9 @@ struct LogbookCheck {
   std::vector<UnwrittenFinding> unwritten;
 };
 
-/// The largest distance between the times of an entry and of a change, s. Notes are made some
-/// minutes before or after the work; an entry with only a date may belong to any time of that day.
+/// The largest distance between the times of an entry and of a change, s, unless the log's readings
+/// are farther apart. Notes are made some minutes before or after the work; an entry with only a
+/// date may belong to any time of that day.
 inline constexpr double note_tolerance_s = 900.0;
 
 /// Merges the entries `rate`, `weight` and `clean` that lie within the beats into the `diary` that
