@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fmt/format.h>
 #include <functional>
 #include <limits>
@@ -261,10 +262,9 @@ private:
     if (widths && width > 0.0) {
       const double share = loaded_.sensor.gravity_share;
       log.events = std::move(loaded_.beats.beats);
-      const double period_s =
-          log.nominal_period_s
-              ? *log.nominal_period_s
-              : small_swing_period(log, width, loaded_.nominal_period_s, share);
+      const double period_s = log.nominal_period_s
+                                  ? *log.nominal_period_s
+                                  : small_swing_period(log, width, loaded_.nominal_period_s, share);
       set_amplitudes_from_widths(log, width, period_s, share);
       correct_widths_for_friction(log, width, period_s);
       loaded_.beats.beats = std::move(log.events);
@@ -338,14 +338,61 @@ private:
 
 } // namespace
 
+namespace {
+
+// The request with another reading of the log.
+LoadRequest read_as(LoadRequest request, const OtherReading& other) {
+  const auto take = [](const auto& from, auto& to) {
+    if (from) to = from;
+  };
+  take(other.format, request.reading.format);
+  take(other.nominal_period_s, request.reading.nominal_period_s);
+  take(other.tau0_s, request.reading.tau0_s);
+  take(other.wrap_s, request.reading.wrap_s);
+  if (!other.unit.empty()) request.reading.unit = unit_named(other.unit);
+  for (const std::string& column : other.columns)
+    request.reading.columns.push_back(column);
+  request.both_edges |= other.both_edges;
+  return request;
+}
+
+// Loads, and offers no other reading that would be refused as well.
+template <class Load> NumberedLog or_what_can_be_read(const LoadRequest& request, Load&& load_as) {
+  try {
+    return load_as(request);
+  } catch (const ImpossibleReading& error) {
+    std::vector<OtherReading> others = error.others();
+    std::erase_if(others, [&](const OtherReading& other) {
+      try {
+        return load_as(read_as(request, other)).good.empty();
+      } catch (const InputError&) {
+        return true;
+      } catch (const ArgumentError&) { // an option of the request that does not go with it
+        return true;
+      }
+    });
+    throw error.with_others(std::move(others));
+  }
+}
+
+} // namespace
+
 NumberedLog load(const LoadRequest& request) {
   std::vector<std::string> paths{request.path};
   paths.insert(paths.end(), request.more.begin(), request.more.end());
-  return Loading(read_log_files(paths, request.reading), request).run();
+  const auto load_as = [&](const LoadRequest& as) {
+    return Loading(read_log_files(paths, as.reading), as).run();
+  };
+  const bool can_be_read_again = std::all_of(paths.begin(), paths.end(), [](const auto& path) {
+    return std::filesystem::is_regular_file(path);
+  });
+  return can_be_read_again ? or_what_can_be_read(request, load_as) : load_as(request);
 }
 
 NumberedLog load_text(std::string_view text, const LoadRequest& request) {
-  return Loading(read_log(text, request.path, request.reading), request).run();
+  return or_what_can_be_read(request, [&](const LoadRequest& as) {
+    return Loading(read_log(text, as.path, as.reading), as).run();
+  });
 }
 
 NumberedLog load_events(ClockLog log, const LoadRequest& request) {

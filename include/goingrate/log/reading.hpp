@@ -66,6 +66,12 @@ public:
       : InputError(std::move(place), found, expected), others_(std::move(others)) {}
   /// Most likely first.
   [[nodiscard]] const std::vector<OtherReading>& others() const noexcept { return others_; }
+  /// The same message with other readings.
+  [[nodiscard]] ImpossibleReading with_others(std::vector<OtherReading> others) const {
+    ImpossibleReading same = *this;
+    same.others_ = std::move(others);
+    return same;
+  }
 
 private:
   std::vector<OtherReading> others_;
