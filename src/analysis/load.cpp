@@ -262,9 +262,10 @@ private:
     if (widths && width > 0.0) {
       const double share = loaded_.sensor.gravity_share;
       log.events = std::move(loaded_.beats.beats);
-      const double period_s = log.nominal_period_s
-                                  ? *log.nominal_period_s
-                                  : small_swing_period(log, width, loaded_.nominal_period_s, share);
+      const double period_s =
+          log.nominal_period_s
+              ? *log.nominal_period_s
+              : small_swing_period(log, width, loaded_.nominal_period_s, share);
       set_amplitudes_from_widths(log, width, period_s, share);
       correct_widths_for_friction(log, width, period_s);
       loaded_.beats.beats = std::move(log.events);
@@ -335,10 +336,6 @@ private:
   const LoadRequest& request_;
   NumberedLog loaded_;
 };
-
-} // namespace
-
-namespace {
 
 // The request with another reading of the log.
 LoadRequest read_as(LoadRequest request, const OtherReading& other) {

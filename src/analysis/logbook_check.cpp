@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <iterator>
 
 namespace goingrate {
 
@@ -43,19 +44,21 @@ std::optional<PlannedRatio> planned_by(const LogbookEntry& entry) {
 }
 
 // What a moment in a log may be off by from that of a note: a clock that is read now and then shows
-// a change between two readings only.
-double tolerance_s(std::span<const Beat> beats) {
-  const double apart_s =
-      (beats.back().time - beats.front().time) / static_cast<double>(beats.size() - 1);
-  return std::max(note_tolerance_s, apart_s);
+// a change between the readings before and after it only.
+double tolerance_s(double at_s, std::span<const Beat> beats) {
+  const auto next = std::upper_bound(
+      beats.begin(), beats.end(), at_s,
+      [&](double t, const Beat& beat) { return t < beat.time - beats.front().time; });
+  if (next == beats.begin() || next == beats.end()) return note_tolerance_s;
+  return std::max(note_tolerance_s, next->time - std::prev(next)->time);
 }
 
 /// The times, s after the first beat, at which something noted at `at_s` may have happened.
 struct Span {
   double from_s, to_s;
   explicit Span(const LogbookEntry& entry, double at_s, std::span<const Beat> beats)
-      : from_s(at_s - tolerance_s(beats)),
-        to_s(at_s + tolerance_s(beats) + (entry.whole_day ? seconds_per_day : 0.0)) {}
+      : from_s(at_s - tolerance_s(at_s, beats)),
+        to_s(at_s + tolerance_s(at_s, beats) + (entry.whole_day ? seconds_per_day : 0.0)) {}
   [[nodiscard]] bool holds(double at_s) const { return at_s >= from_s && at_s <= to_s; }
 };
 

@@ -86,15 +86,16 @@ constexpr std::array<ScaleName, 8> pressure_names{{{"mbar", 1.0},
                                                    {"torr", millimetre_of_mercury}}};
 constexpr double fahrenheit = 5.0 / 9.0, zero_fahrenheit_c = -32.0 * fahrenheit,
                  zero_kelvin_c = -273.15;
-constexpr std::array<ScaleName, 9> temperature_names{{{"c", 1.0},
-                                                      {"degc", 1.0},
-                                                      {"celsius", 1.0},
-                                                      {"degcelsius", 1.0},
-                                                      {"f", fahrenheit, zero_fahrenheit_c},
-                                                      {"degf", fahrenheit, zero_fahrenheit_c},
-                                                      {"fahrenheit", fahrenheit, zero_fahrenheit_c},
-                                                      {"k", 1.0, zero_kelvin_c},
-                                                      {"kelvin", 1.0, zero_kelvin_c}}};
+constexpr std::array<ScaleName, 9> temperature_names{
+    {{"c", 1.0},
+     {"degc", 1.0},
+     {"celsius", 1.0},
+     {"degcelsius", 1.0},
+     {"f", fahrenheit, zero_fahrenheit_c},
+     {"degf", fahrenheit, zero_fahrenheit_c},
+     {"fahrenheit", fahrenheit, zero_fahrenheit_c},
+     {"k", 1.0, zero_kelvin_c},
+     {"kelvin", 1.0, zero_kelvin_c}}};
 constexpr std::array<ScaleName, 4> humidity_names{
     {{"%", 1.0}, {"percent", 1.0}, {"%rh", 1.0}, {"1", 100.0}}};
 
@@ -136,67 +137,66 @@ struct RoleWord {
   ColumnRole role;
 };
 // The first that the name contains counts; the longer come before those they contain.
-constexpr std::array<RoleWord, 44> role_words{
-    {{"uncertainty", ColumnRole::ignored},
-     {"standard", ColumnRole::ignored}, // deviation, error
-     {"dew", ColumnRole::ignored},
-     {"wind", ColumnRole::ignored},
-     {"sigma", ColumnRole::ignored},
-     {"residual", ColumnRole::ignored},
-     {"angvel", ColumnRole::ignored},
-     {"velocity", ColumnRole::ignored},
-     {"half-period", ColumnRole::half_period},
-     {"half_period", ColumnRole::half_period},
-     {"half period", ColumnRole::half_period},
-     {"halfperiod", ColumnRole::half_period},
-     {"width", ColumnRole::width},
-     {"interval", ColumnRole::period},
-     {"period", ColumnRole::period},
-     {"clock error", ColumnRole::clock_error},
-     {"clock_error", ColumnRole::clock_error},
-     {"drift", ColumnRole::clock_error},
-     {"amplitude", ColumnRole::amplitude},
-     {"humid", ColumnRole::humidity},
-     {"feucht", ColumnRole::humidity}, // German
-     {"temps", ColumnRole::time},      // French
-     {"temp", ColumnRole::temperature},
-     {"press", ColumnRole::pressure},
-     {"baro", ColumnRole::pressure},
-     {"angle", ColumnRole::angle},
-     {"theta", ColumnRole::angle},
-     {"edge", ColumnRole::edge},
-     {"direction", ColumnRole::edge},
-     {"time", ColumnRole::time},
-     {"date", ColumnRole::time},
-     {"elapsed", ColumnRole::time},
-     {"zeit", ColumnRole::time}, // German
-     {"datum", ColumnRole::time},
-     {"winkel", ColumnRole::angle},
-     {"druck", ColumnRole::pressure},
-     {"heure", ColumnRole::time},
-     {"richtung", ColumnRole::edge},
-     {"when", ColumnRole::time},
-     {"fast", ColumnRole::clock_error}, // seconds fast
-     {"offset", ColumnRole::clock_error},
-     {"deviation", ColumnRole::clock_error},
-     {"abweichung", ColumnRole::clock_error}, // German
-     {"error", ColumnRole::clock_error}}};
+constexpr std::array<RoleWord, 44> role_words{{{"uncertainty", ColumnRole::ignored},
+                                               {"standard", ColumnRole::ignored}, // deviation
+                                               {"dew", ColumnRole::ignored},
+                                               {"wind", ColumnRole::ignored},
+                                               {"sigma", ColumnRole::ignored},
+                                               {"residual", ColumnRole::ignored},
+                                               {"angvel", ColumnRole::ignored},
+                                               {"velocity", ColumnRole::ignored},
+                                               {"half-period", ColumnRole::half_period},
+                                               {"half_period", ColumnRole::half_period},
+                                               {"half period", ColumnRole::half_period},
+                                               {"halfperiod", ColumnRole::half_period},
+                                               {"width", ColumnRole::width},
+                                               {"interval", ColumnRole::period},
+                                               {"period", ColumnRole::period},
+                                               {"clock error", ColumnRole::clock_error},
+                                               {"clock_error", ColumnRole::clock_error},
+                                               {"drift", ColumnRole::clock_error},
+                                               {"amplitude", ColumnRole::amplitude},
+                                               {"humid", ColumnRole::humidity},
+                                               {"feucht", ColumnRole::humidity}, // German
+                                               {"temps", ColumnRole::time},      // French
+                                               {"temp", ColumnRole::temperature},
+                                               {"press", ColumnRole::pressure},
+                                               {"baro", ColumnRole::pressure},
+                                               {"angle", ColumnRole::angle},
+                                               {"theta", ColumnRole::angle},
+                                               {"edge", ColumnRole::edge},
+                                               {"direction", ColumnRole::edge},
+                                               {"time", ColumnRole::time},
+                                               {"date", ColumnRole::time},
+                                               {"elapsed", ColumnRole::time},
+                                               {"zeit", ColumnRole::time}, // German
+                                               {"datum", ColumnRole::time},
+                                               {"winkel", ColumnRole::angle},
+                                               {"druck", ColumnRole::pressure},
+                                               {"heure", ColumnRole::time},
+                                               {"richtung", ColumnRole::edge},
+                                               {"when", ColumnRole::time},
+                                               {"fast", ColumnRole::clock_error}, // seconds fast
+                                               {"offset", ColumnRole::clock_error},
+                                               {"deviation", ColumnRole::clock_error},
+                                               {"abweichung", ColumnRole::clock_error}, // German
+                                               {"error", ColumnRole::clock_error}}};
 constexpr std::array<RoleWord, 16> short_names{{{"t", ColumnRole::time},
-                                                {"rh", ColumnRole::humidity},
-                                                {"mjd", ColumnRole::time},
-                                                {"utc", ColumnRole::time},
-                                                {"unix", ColumnRole::time},
-                                                {"epoch", ColumnRole::time},
-                                                {"phi", ColumnRole::angle},
-                                                {"\xce\xb8", ColumnRole::angle}, // theta
-                                                {"\xcf\x86", ColumnRole::angle}, // phi
-                                                {"tick_block", ColumnRole::tick_dark},
-                                                {"tick", ColumnRole::tick_light},
-                                                {"tock_block", ColumnRole::tock_dark},
-                                                {"tock", ColumnRole::tock_light},
-                                                {"tick_total_f_hat_hz", ColumnRole::counter_rate},
-                                                {"x", ColumnRole::position},
-                                                {"y", ColumnRole::height}}};
+                                               {"rh", ColumnRole::humidity},
+                                               {"mjd", ColumnRole::time},
+                                               {"utc", ColumnRole::time},
+                                               {"unix", ColumnRole::time},
+                                               {"epoch", ColumnRole::time},
+                                               {"phi", ColumnRole::angle},
+                                               {"\xce\xb8", ColumnRole::angle}, // theta
+                                               {"\xcf\x86", ColumnRole::angle}, // phi
+                                               {"tick_block", ColumnRole::tick_dark},
+                                               {"tick", ColumnRole::tick_light},
+                                               {"tock_block", ColumnRole::tock_dark},
+                                               {"tock", ColumnRole::tock_light},
+                                               {"tick_total_f_hat_hz", ColumnRole::counter_rate},
+                                               {"x", ColumnRole::position},
+                                               {"y", ColumnRole::height}}};
 
 ColumnRole role_of(std::string_view name) {
   while (!name.empty() && name.back() == ' ')

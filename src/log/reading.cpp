@@ -315,11 +315,12 @@ void complete(ClockLog& log, RowReader& rows, const Layout& layout, const Readin
     turn_round(log);
     if (!log.grid) unwrap_turned(log, layout, options);
   }
+  log.origin = origin_of(layout, log.events.front().time);
   if (layout.label_step_s > 0.0) {
     std::vector<double>& errors_s = rows.clock_errors();
     if (layout.newest_first) std::reverse(errors_s.begin(), errors_s.end());
     const double step_s =
-        level_labels(log, errors_s, options.nominal_period_s.value_or(layout.label_step_s));
+        level_labels(log, errors_s, options.nominal_period_s.value_or(layout.label_step_s), issues);
     if (!options.nominal_period_s && step_s != layout.label_step_s) {
       log.nominal_period_s = step_s;
       std::erase_if(log.assumptions, [](const Assumption& assumption) {
@@ -334,7 +335,6 @@ void complete(ClockLog& log, RowReader& rows, const Layout& layout, const Readin
                        !layout.newest_first;
   if (!log.grid && (!as_read || !rows.in_order()))
     restore_order(log, are_dates(layout, log.events.front().time), issues);
-  log.origin = origin_of(layout, log.events.front().time);
 }
 
 ClockLog read_log(std::string_view text, const std::string& source, const ReadingOptions& options) {

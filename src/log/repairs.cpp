@@ -208,11 +208,11 @@ void turn_round(ClockLog& log) {
 
 namespace {
 
-// Labels as seconds after the first, the clock's errors there, and the grid to which they are
-// moved.
+// Labels in order of time, as seconds after the log's first, the clock's errors there, the event of
+// each, and the grid to which they are moved.
 struct Labels {
-  std::vector<double> after_s;
-  std::span<const double> errors_s;
+  std::vector<double> after_s, errors_s;
+  std::vector<std::size_t> event;
   double step_s, begin_s; ///< of the grid
   [[nodiscard]] double place(std::size_t i) const {
     return std::round((after_s[i] - begin_s) / step_s);
@@ -224,8 +224,8 @@ struct Labels {
 
 // A reading at a time of the grid: on the straight line through readings `before` and the next.
 struct Moved {
-  std::size_t nearest, before;
-  double by_s; ///< what its time is later than that of the nearest
+  std::size_t event, before; ///< the nearest one's; the reading's place among the labels
+  double by_s;               ///< what its time is later than that of the nearest
 };
 
 // Nothing where no reading is near, unless the grid time lies between two that are three steps
@@ -246,7 +246,7 @@ std::optional<Moved> reading_at(const Labels& labels, double place) {
   const double late_s = at_s - after[nearest];
   const double gained_s =
       gap_s > 0.0 ? late_s * (labels.errors_s[before + 1] - labels.errors_s[before]) / gap_s : 0.0;
-  return Moved{nearest, before, late_s - gained_s};
+  return Moved{labels.event[nearest], before, late_s - gained_s};
 }
 
 // The step of a grid: a week, a day or another regular interval that the usual step is close to; of
@@ -272,7 +272,7 @@ void put_in_place(ClockLog& log, const std::vector<Moved>& readings) {
     if (values.empty()) return;
     std::remove_reference_t<decltype(values)> taken;
     for (const Moved& moved : readings)
-      taken.push_back(values[moved.nearest]);
+      taken.push_back(values[moved.event]);
     values = std::move(taken);
   };
   take(log.events);
@@ -282,21 +282,46 @@ void put_in_place(ClockLog& log, const std::vector<Moved>& readings) {
     log.events[i].time = log.events[i].time + readings[i].by_s;
 }
 
+// The labels of all events, whatever the order of the lines.
+Labels sorted_labels(const std::vector<Beat>& events, std::span<const double> after_s,
+                     std::span<const double> errors_s, IssueList& issues) {
+  Labels labels{};
+  labels.event.resize(events.size());
+  std::iota(labels.event.begin(), labels.event.end(), std::size_t{0});
+  std::stable_sort(labels.event.begin(), labels.event.end(),
+                   [&](std::size_t a, std::size_t b) { return after_s[a] < after_s[b]; });
+  for (const std::size_t i : labels.event) {
+    labels.after_s.push_back(after_s[i]);
+    labels.errors_s.push_back(errors_s[i]);
+  }
+  for (std::size_t i = 1; i < events.size(); ++i)
+    if (after_s[i] < after_s[i - 1])
+      issues.add(
+          events[i].line, 1, IssueKind::out_of_order,
+          fmt::format("a time {:.9g} s before the line above's", after_s[i - 1] - after_s[i]),
+          "sorted by time");
+  return labels;
+}
+
 } // namespace
 
-double level_labels(ClockLog& log, std::span<const double> clock_errors_s, double label_step_s) {
+double level_labels(ClockLog& log, std::span<const double> clock_errors_s, double label_step_s,
+                    IssueList& issues) {
   auto& events = log.events;
   if (clock_errors_s.size() != events.size() || events.size() < 2) return label_step_s;
-  Labels labels{{}, clock_errors_s, label_step_s, 0.0};
+  std::vector<double> after_s;
   for (std::size_t i = 0; i < events.size(); ++i)
-    labels.after_s.push_back(events[i].time - events.front().time + clock_errors_s[i] -
-                             clock_errors_s.front());
+    after_s.push_back(events[i].time - events.front().time + clock_errors_s[i] -
+                      clock_errors_s.front());
   constexpr double label_grain_s = 2.0; // labels of whole seconds, at either end of a step
   std::size_t uneven = 0;
   for (std::size_t i = 1; i < events.size(); ++i)
-    uneven += std::abs(std::remainder(labels.after_s[i] - labels.after_s[i - 1], label_step_s)) >
-              label_grain_s;
+    uneven += std::abs(std::remainder(after_s[i] - after_s[i - 1], label_step_s)) > label_grain_s;
   if (2 * uneven <= events.size()) return label_step_s;
+  // Times without a date that go back are those of another segment, not lines out of order.
+  const bool is_dated = log.origin != TimeOrigin::none;
+  if (!is_dated && !std::is_sorted(after_s.begin(), after_s.end())) return label_step_s;
+  Labels labels = sorted_labels(events, after_s, clock_errors_s, issues);
   labels.step_s = even_step(labels.after_s, label_step_s);
   std::vector<double> off;
   for (std::size_t i = 0; i < events.size(); ++i)

@@ -12,12 +12,14 @@ namespace goingrate {
 /// Reverses the order of events and columns; data on a grid get new places.
 void turn_round(ClockLog& log);
 
-/// For readings of a clock's error at uneven times, such as some time each day: moves each to the
-/// nearest of evenly spaced times, by linear interpolation towards its neighbour on that side.
-/// Returns the step: the usual one of the labels, `label_step_s`, or the week, day or hour close to
-/// it. `clock_errors_s` has the error at each event. Labels that keep to the step, to within a
-/// second, are not changed (ReadingTest.ErrorsReadAtUnevenTimes).
-double level_labels(ClockLog& log, std::span<const double> clock_errors_s, double label_step_s);
+/// For readings of a clock's error at uneven times, such as some time each day, in any order: gives
+/// those at evenly spaced times, by linear interpolation. Returns the step: the usual one of the
+/// labels, `label_step_s`, or the week or day close to it; of several readings a day, as many as on
+/// a day that has any (nights of up to 16 hours are bridged). `clock_errors_s` has the error at each
+/// event. Labels that keep to the step, to within a second, are not changed
+/// (ReadingTest.ErrorsReadAtUnevenTimes, ReadingTest.ErrorsReadSeveralTimesADay).
+double level_labels(ClockLog& log, std::span<const double> clock_errors_s, double label_step_s,
+                    IssueList& issues);
 
 /// Moves events whose labels were written a step early or late by `label_step_s`. Such a label
 /// gives two events at almost the same time next to a double step; several of them in a row lie

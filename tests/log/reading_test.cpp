@@ -220,5 +220,24 @@ TEST(ReadingTest, ErrorsReadSeveralTimesADay) {
   }
 }
 
+// The second week stands before the first.
+TEST(ReadingTest, ErrorsReadSeveralTimesADayInAnyOrder) {
+  std::string text = "date,time,error\n";
+  for (const int first : {8, 1})
+    for (int day = first; day < first + 7; ++day)
+      for (const int hour : {8, 12, 17, 21}) {
+        const int minute = (7 * day + 13 * hour) % 60;
+        text += fmt::format("2024-03-{:02},{:02}:{:02},{:.2f}\n", day, hour, minute,
+                            -1.5 * (day + hour / 24.0 + minute / 1440.0));
+      }
+  const ClockLog log = read_log(text, "errors");
+  EXPECT_EQ(log.nominal_period_s, 21600.0);
+  EXPECT_NEAR(static_cast<double>(log.events.size()), 55.0, 1.0); // 13.5 days
+  EXPECT_TRUE(std::is_sorted(log.events.begin(), log.events.end(),
+                             [](const Beat& a, const Beat& b) { return a.time < b.time; }));
+  ASSERT_FALSE(log.issues.empty());
+  EXPECT_EQ(log.issues.front().kind, IssueKind::out_of_order);
+}
+
 } // namespace
 } // namespace goingrate

@@ -53,9 +53,8 @@ struct LineSearch {
 /// `series`: 64 or more finite values; `interval_s` above 0. Throws ArgumentError otherwise.
 /// Accuracy: white and red noise show a line no more often than false_alarm says
 /// (LinesTest.NoiseShowsALineNoOftenerThanItSays, LinesTest.ARedContinuumHasNoLines,
-/// LinesTest.ASeriesThatDriftsHasNoLines); frequency and
-/// amplitude are as accurate as their Cramer-Rao bounds (LinesTest.FindsALineToItsBound). Cost: one
-/// transform of 2 N values per line.
+/// LinesTest.ASeriesThatDriftsHasNoLines); frequency and amplitude are as accurate as their
+/// Cramer-Rao bounds (LinesTest.FindsALineToItsBound). Cost: one transform of 2 N values per line.
 [[nodiscard]] std::vector<SpectralLine>
 find_lines(std::span<const double> series, double interval_s, const LineSearch& search = {});
 
