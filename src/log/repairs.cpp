@@ -253,8 +253,8 @@ std::optional<Moved> reading_at(const Labels& labels, double place) {
 // several readings a day, as many as on a day that has any.
 double even_step(const std::vector<double>& after_s, double usual_s) {
   constexpr double day_s = 86400.0, largest_departure = 0.25;
-  if (usual_s < 0.5 * day_s && after_s.back() > 2.0 * day_s) {
-    double days = 1.0, begun_s = 0.0; // a day ends with a night
+  if (usual_s < 0.5 * day_s && after_s.back() - after_s.front() > 2.0 * day_s) {
+    double days = 1.0, begun_s = after_s.front(); // a day ends with a night
     for (const double at_s : after_s)
       if (at_s >= begun_s + 0.75 * day_s) {
         begun_s = at_s;
