@@ -20,19 +20,22 @@ namespace {
 // sin x / x.
 double sinc(double x) { return std::abs(x) < 1e-8 ? 1.0 : std::sin(x) / x; }
 
-// The angle at which the pull towards the vertical ends: pi, or, with s above 1, sin x/x = (s -
-// 1)/s.
+} // namespace
+
 double top_angle(double gravity_share) {
-  if (gravity_share <= 1.0) return pi;
-  const double target = (gravity_share - 1.0) / gravity_share;
+  constexpr double least_sinc = -0.21723362821122166; // sin x/x at its lowest,
+  constexpr double lowest_at = 4.493409457909064;     // here: tan x = x
+  constexpr double two_turns = 4.0 * pi;
+  if (gravity_share == 1.0) return pi;
+  const auto pull = [&](double x) { return 1.0 - gravity_share + gravity_share * sinc(x); };
+  if (gravity_share < 1.0 && 1.0 - gravity_share + gravity_share * least_sinc > 0.0)
+    return two_turns;
   std::uintmax_t rounds = 100;
-  const auto [low, high] =
-      boost::math::tools::bisect([&](double x) { return sinc(x) - target; }, 0.5, pi,
-                                 boost::math::tools::eps_tolerance<double>(50), rounds);
+  const auto [low, high] = boost::math::tools::bisect(
+      pull, gravity_share > 1.0 ? 0.1 : pi, gravity_share > 1.0 ? pi : lowest_at,
+      boost::math::tools::eps_tolerance<double>(50), rounds);
   return 0.5 * (low + high);
 }
-
-} // namespace
 
 double velocity_of_turning_angle(double gravity_share, double angle) {
   const double sine = 2.0 * std::sin(0.5 * angle);
@@ -69,9 +72,10 @@ void check_velocity(const ClockParameters& clock, double velocity, std::string_v
   if (clock.gravity_share == 1.0)
     throw ArgumentError(name, velocity, "above 0 and below 2 (at 2 the pendulum turns over)");
   throw ArgumentError(name, velocity,
-                      fmt::format("above 0 and below {:.4g} (there it would turn by 180 degrees, "
-                                  "or reach its top)",
-                                  top));
+                      fmt::format("above 0 and below {:.4g} (with that it {})", top,
+                                  top_angle(clock.gravity_share) > 1.5 * pi
+                                      ? "would swing out by two turns"
+                                      : "reaches the angle at which nothing pulls it back"));
 }
 
 namespace {
@@ -87,7 +91,8 @@ double stiffness_at(double gravity_share, double angle, double u) {
 
 double free_period_ratio(double gravity_share, double angle) {
   if (!(angle > 0.0 && angle < top_angle(gravity_share)))
-    throw ArgumentError("amplitude", angle, "above 0 and below pi rad, and below the top");
+    throw ArgumentError("amplitude", angle,
+                        fmt::format("above 0 and below {:.4g} rad", top_angle(gravity_share)));
   // The integrand is periodic and analytic: the trapezoidal rule converges exponentially.
   const auto integrand = [&](double u) {
     return 1.0 / std::sqrt(stiffness_at(gravity_share, angle, u));
@@ -100,7 +105,6 @@ double free_passage_time(double gravity_share, double angle, double half) {
   const auto integrand = [&](double u) {
     return 1.0 / std::sqrt(stiffness_at(gravity_share, angle, u));
   };
-  // Up to 3 rad the integrand has no pole within half of the interval's length.
   using Quadrature = boost::math::quadrature::gauss<double, 30>;
   return 2.0 * Quadrature::integrate(integrand, 0.0, std::asin(half / angle));
 }

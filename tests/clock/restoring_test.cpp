@@ -16,8 +16,8 @@ constexpr double rounding = std::numeric_limits<double>::epsilon();
 
 TEST(RestoringTest, AngleAndVelocityAreInverse) {
   for (const double share : {1.2, 1.0, 0.97, 0.4, 0.0, -2.0})
-    for (const double angle : {1e-6, 0.03, 0.5, 1.8, 3.0}) {
-      if (share > 1.0 && angle > 2.0) continue; // beyond the top
+    for (const double angle : {1e-6, 0.03, 0.5, 1.8, 3.0, 4.7, 9.0}) {
+      if (angle >= top_angle(share)) continue;
       const double velocity = velocity_of_turning_angle(share, angle);
       // An error of the velocity grows by v/(A v'(A)) on its way to the angle: some 20 at 3 rad
       // under gravity, where the pendulum nearly stands on its head.
@@ -26,11 +26,24 @@ TEST(RestoringTest, AngleAndVelocityAreInverse) {
     }
 }
 
-TEST(RestoringTest, NoTurningAngleBeyondHalfATurn) {
+TEST(RestoringTest, TheTopIsWhereThePullEnds) {
+  EXPECT_DOUBLE_EQ(top_angle(1.0), pi);
+  for (const double share : {1.5, 1.01, 0.999, 0.9, 0.822}) {
+    const double top = top_angle(share);
+    const auto pull = [&](double x) { return (1.0 - share) * x + share * std::sin(x); };
+    EXPECT_NEAR(pull(top), 0.0, 1e-14) << share;     // rounding of a few rad
+    for (double x = 0.01; x < top - 0.01; x += 0.01) // none before it
+      ASSERT_GT(pull(x), 0.0) << share << ' ' << x;
+  }
+  for (const double share : {0.8, 0.0, -2.0}) // nowhere: two turns
+    EXPECT_DOUBLE_EQ(top_angle(share), 4.0 * pi) << share;
+}
+
+TEST(RestoringTest, NoTurningAngleBeyondTheTop) {
   EXPECT_TRUE(std::isnan(turning_angle_of_velocity(0.5, top_velocity(0.5) * 1.001)));
   EXPECT_TRUE(std::isnan(turning_angle_of_velocity(1.0, 2.001)));
   EXPECT_DOUBLE_EQ(top_velocity(1.0), 2.0);
-  EXPECT_DOUBLE_EQ(top_velocity(0.0), pi);
+  EXPECT_DOUBLE_EQ(top_velocity(0.0), 4.0 * pi);
   EXPECT_LT(top_velocity(1.2), 2.0);
   EXPECT_TRUE(std::isnan(turning_angle_of_velocity(1.2, 2.0)));
 }
@@ -73,8 +86,8 @@ TEST(RestoringTest, AmplitudesOutOfRangeAreRefused) {
   ClockParameters clock;
   EXPECT_THROW(check_velocity(clock, 2.0, "velocity"), ArgumentError);
   clock.gravity_share = 0.0;
-  EXPECT_NO_THROW(check_velocity(clock, 3.0, "velocity"));
-  EXPECT_THROW(check_velocity(clock, 3.2, "velocity"), ArgumentError);
+  EXPECT_NO_THROW(check_velocity(clock, 6.0, "velocity"));
+  EXPECT_THROW(check_velocity(clock, 12.6, "velocity"), ArgumentError);
 }
 
 } // namespace

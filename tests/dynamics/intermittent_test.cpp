@@ -200,8 +200,9 @@ TEST(IntermittentTest, ContradictionsAreRefused) {
 
 // A restoring torque other than gravity's, by every method that knows it.
 TEST(GravityShareTest, AFreeSwingTakesThePeriodOfTheEnergyIntegral) {
-  for (const double share : {1.0, 0.9, 0.0, -1.5})
-    for (const double angle : {0.05, 1.0, 2.8}) {
+  for (const double share : {1.0, 0.9, 0.5, 0.0, -1.5})
+    for (const double angle : {0.05, 1.0, 2.8, 3.3, 5.0, 9.4}) {
+      if (angle >= 0.95 * top_angle(share)) continue; // slow near the top, and ill conditioned
       ClockParameters clock;
       clock.escapement = Escapement::none;
       clock.gravity_share = share;

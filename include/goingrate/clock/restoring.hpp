@@ -1,10 +1,11 @@
 // The torque that returns the pendulum to the vertical: of gravity, a spring, or both.
 //
 // The torque is (1 - s) phi + s sin phi with s = gravity_share, so that T0 is the period of small
-// swings for any s. The potential (1 - s) phi^2/2 + s (1 - cos phi) rises up to pi for s <= 1; for
-// s above 1 its maximum, the top, is below pi. A suspension spring of stiffness k adds k phi to
-// gravity's m g l sin phi: s = m g l / (m g l + k). Cheeks that shorten the pendulum as it swings
-// out reduce the cubic term of the sine and may make s 0 or negative. A torsion clock has s = 0.
+// swings for any s. The pull ends where it is 0 again, at the top: pi under gravity, below pi for s
+// above 1, between pi and 1.43 pi for s from 1 down to 0.8215, and nowhere for less. A suspension
+// spring of stiffness k adds k phi to gravity's m g l sin phi: s = m g l / (m g l + k). Cheeks that
+// shorten the pendulum as it swings out reduce the cubic term of the sine and may make s 0 or
+// negative. A torsion clock has s = 0.
 #pragma once
 
 #include "goingrate/clock/parameters.hpp"
@@ -12,6 +13,10 @@
 #include <string_view>
 
 namespace goingrate {
+
+/// The angle at which the pull towards the vertical ends, rad; where it never does, 4 pi, two
+/// turns, beyond which nothing here is tested (RestoringTest.TheTopIsWhereThePullEnds).
+double top_angle(double gravity_share);
 
 /// phi' at the vertical (scaled) of the free pendulum that turns at `angle`, 0 to the top:
 /// sqrt((1 - s) angle^2 + 4 s sin^2(angle/2)).
@@ -22,8 +27,7 @@ double velocity_of_turning_angle(double gravity_share, double angle);
 /// gravity. NaN beyond top_velocity.
 double turning_angle_of_velocity(double gravity_share, double velocity);
 
-/// The velocity with which the pendulum just reaches the top, or pi if there is none before it: 2
-/// under gravity, pi for torsion.
+/// The velocity with which the pendulum just reaches top_angle: 2 under gravity, 4 pi for torsion.
 double top_velocity(double gravity_share);
 
 /// Throws ArgumentError naming `name` for a velocity that is not above 0 and below top_velocity.

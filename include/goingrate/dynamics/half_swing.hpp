@@ -17,11 +17,12 @@
 //
 // Degenerate cases, each a status: the escapement is not reached (no switch; the torque stays and
 // opposes the next half swing), the pendulum does not come back through the vertical (stalled), it
-// reaches pi (overturned). Grazing the switch (apex within rounding of phi0) is decided by the
-// apex: switch if apex > phi0.
+// reaches pi and the angle at which nothing pulls it back (overturned). Grazing the switch (apex
+// within rounding of phi0) is decided by the apex: switch if apex > phi0.
 #pragma once
 
 #include "goingrate/base/sums.hpp"
+#include "goingrate/clock/restoring.hpp"
 #include "goingrate/dynamics/swing_laws.hpp"
 #include "goingrate/dynamics/swing_series.hpp"
 #include "goingrate/dynamics/swing_status.hpp"
@@ -121,6 +122,14 @@ private:
   }
   [[nodiscard]] bool wide() const { return v_ * v_ > 300 * law_.force().linear; }
 
+  [[nodiscard]] bool passes_top(const T& phi) const {
+    if (phi < pi) return false;
+    if constexpr (!Law::any_law)
+      return true;
+    else
+      return phi >= std::max(pi, T(top_angle(static_cast<double>(law_.force().gravity))));
+  }
+
   void step() {
     using std::isfinite;
     Ahead to = turn_by(Series::step_length(rung_)); // while the series is being found
@@ -162,7 +171,7 @@ private:
     }
     rising_ = !turns;
     if (turns && to.phi <= 0) return pass_vertical(series, root_of_passage(series, T(0), reach));
-    if (to.phi >= pi) return end(SwingStatus::overturned);
+    if (passes_top(to.phi)) return end(SwingStatus::overturned);
     go(series, reach, to);
   }
 
