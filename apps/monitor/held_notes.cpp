@@ -65,7 +65,8 @@ std::string misdated_note(const HeardEvent& event, double error_s) {
 std::vector<HeardEvent> still_waiting(const std::vector<std::string>& notes) {
   std::vector<HeardEvent> events;
   for (const std::string& note : notes) {
-    if (note.starts_with(left_out_words)) events.clear(); // nothing waits on
+    if (note.starts_with(left_out_words))
+      events.clear(); // a rejected event ends the wait of those before it
     if (!note.starts_with(waiting_words)) continue;
     std::istringstream words(note.substr(waiting_words.size()));
     std::string word;

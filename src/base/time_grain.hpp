@@ -13,19 +13,19 @@ namespace goingrate {
 inline constexpr std::size_t times_for_grain = 4096;
 
 /// The greatest step of which the first `count` times are whole multiples after the first of them,
-/// s: 1e-3 of a logger that counts milliseconds. `elapsed_s(i)` is rising or nearly so. A step that
-/// divides `period_s` by less than sixteen, as in a log of steady beats, may be the clock's own:
-/// the greatest power of ten that divides it is taken. 0 for times that lie on no grid of decimals.
+/// s: 1e-3 for a logger that counts milliseconds. `elapsed_s(i)` is rising or nearly so. A step
+/// longer than a sixteenth of `period_s`, as in a log of steady beats, may be the clock's own: the
+/// greatest power of ten that divides it is taken. 0 for times that lie on no grid of decimals.
 /// (TimeGrainTest)
 template <class Elapsed>
 double time_grain(std::size_t count, double period_s, const Elapsed& elapsed_s) {
   double longest_s = 0.0;
   for (std::size_t i = 0; i < count; ++i)
     longest_s = std::max(longest_s, std::abs(elapsed_s(i)));
-  // Decimals that a double of this length still holds, nanoseconds at most.
-  constexpr double finest_s = 1e-9, held = 1e-13;
-  const double unit_s =
-      std::max(finest_s, std::pow(10.0, std::ceil(std::log10(held * std::max(1.0, longest_s)))));
+  // The finest decimal unit that a double resolves at such times, 1 ns at the finest.
+  constexpr double finest_s = 1e-9, resolution = 1e-13;
+  const double unit_s = std::max(
+      finest_s, std::pow(10.0, std::ceil(std::log10(resolution * std::max(1.0, longest_s)))));
   std::int64_t step = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const double units = elapsed_s(i) / unit_s, whole = std::round(units);

@@ -63,8 +63,9 @@ public:
   /// Includes the uncertainty of the amplitude noise and of the first-order relation.
   [[nodiscard]] double sigma() const {
     constexpr double relative_sigma_of_error_variance = 0.2;
-    // The error of the first-order relation; no study measures it. sigma/slope is never smaller:
-    // its median over the longest logs of tests/studies/isochronism.txt is 0.0064.
+    // The error of the first-order relation: assumed, not measured, and so the least that
+    // sigma/slope can be. Over the longest logs of tests/studies/isochronism.txt its median is
+    // 0.0064.
     constexpr double relative_model_error = 5e-3;
     return std::hypot(std::sqrt(covariance_(0, 0)),
                       relative_sigma_of_error_variance * share_ * found_[0],
@@ -74,8 +75,8 @@ public:
   [[nodiscard]] double share_of_errors() const { return share_; }
 
 private:
-  // Errors of the regressors add to their squares, not to their products with the rate: what they
-  // add is taken off.
+  // Noise of the regressors adds to the matrix of their products and not to the right side; what it
+  // is expected to add is taken off.
   void solve() {
     Eigen::Matrix2d seen = Eigen::Matrix2d::Zero(), error = Eigen::Matrix2d::Zero();
     Eigen::Vector2d right = Eigen::Vector2d::Zero();
@@ -95,7 +96,7 @@ private:
     covariance_ = inverse * seen * inverse.transpose();
   }
 
-  static constexpr std::size_t first = 2; // the mean and the line
+  static constexpr std::size_t first = 2; // cosines below it, the mean and the trend, are left out
   std::vector<double> rate_, amplitude_, speed_;
   double error2_, block_s_, share_ = 0.0;
   RateNoise noise_{first, {}};

@@ -16,7 +16,7 @@ constexpr double longest_step = 1.0;
 constexpr double longest_period = 200.0; // 32 nominal periods; 80 suffice a whisker below the top
 
 // +1 or -1 as the torque acts to the right or to the left, in the quadrant of (phi, phi') and by
-// phi against +-phi0, as a code without memory decides it (app. appnum).
+// phi against +-phi0, as a code without memory decides it (Hoyng, Appendix D).
 double quadrant_direction(double angle, double speed, double phi0) {
   const bool to_the_right = speed >= 0.0 ? angle < phi0 : angle <= -phi0;
   return to_the_right ? 1.0 : -1.0;

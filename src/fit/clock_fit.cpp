@@ -201,7 +201,7 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
     summary.status = FitStatus::stopped_early;
     summary.termination = "stopped on a flat ridge: the log does not determine the parameters";
   }
-  const std::vector<FitNote> faults = contradictions(fitted, summary.quality);
+  const std::vector<FitNote> faults = model_contradictions(fitted, summary.quality);
   if (!faults.empty()) {
     known.distrusted.assign(known.distrusted.size(), true);
     summary.status = FitStatus::contradicts_log;
@@ -237,7 +237,7 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   summary.jitter_s = value_of(summary, "jitter_rms");
   summary.amplitude_noise_rad = value_of(summary, "amplitude_rms");
   summary.notes.insert(summary.notes.end(), search.notes().begin(), search.notes().end());
-  state_contradictions(fitted, summary);
+  note_contradicted_priors(fitted, summary);
   constexpr double beyond_chance = 1e-6; // probability of residuals as white as a clock's
   if (holds && summary.status != FitStatus::contradicts_log &&
       whiteness_p(fitted.seen.white_time) > beyond_chance)

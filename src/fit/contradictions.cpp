@@ -88,7 +88,7 @@ bool scatters_unevenly(const Fitted& fitted) {
   return fitted.widening.largest() > largest_widening && rough_stretch(fitted);
 }
 
-std::vector<FitNote> contradictions(const Fitted& fitted, const FitQuality& quality) {
+std::vector<FitNote> model_contradictions(const Fitted& fitted, const FitQuality& quality) {
   std::vector<FitNote> found;
   if (const auto rough = rough_stretch(fitted);
       rough && fitted.widening.largest() > largest_widening)
@@ -116,7 +116,7 @@ std::vector<FitNote> contradictions(const Fitted& fitted, const FitQuality& qual
   return found;
 }
 
-void state_contradictions(const Fitted& fitted, FitSummary& summary) {
+void note_contradicted_priors(const Fitted& fitted, FitSummary& summary) {
   for (const CoordinatePrior& prior : fitted.problem.priors) {
     if (!prior.stated) continue;
     const double off = prior.pull(fitted.minimum.x);

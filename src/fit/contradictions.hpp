@@ -9,13 +9,13 @@ namespace goingrate::timing_model {
 
 /// Notes on the evidence that the log does not come from the clock that fits it best; empty if
 /// there is none.
-std::vector<FitNote> contradictions(const Fitted& fitted, const FitQuality& quality);
+std::vector<FitNote> model_contradictions(const Fitted& fitted, const FitQuality& quality);
 
 /// Whether the model does not explain the log, and the beats of some stretch scatter far more than
 /// elsewhere: no noise that is alike throughout the log explains that.
 bool scatters_unevenly(const Fitted& fitted);
 
 /// Notes the priors from which the log has pulled its parameters far away.
-void state_contradictions(const Fitted& fitted, FitSummary& summary);
+void note_contradicted_priors(const Fitted& fitted, FitSummary& summary);
 
 } // namespace goingrate::timing_model

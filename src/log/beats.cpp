@@ -14,8 +14,8 @@ namespace goingrate {
 
 namespace {
 
-// Cycles: nobody notices a stopped clock and restarts it in less time.
-constexpr std::int64_t shortest_stop = 20;
+// A gap of no more cycles is missed beats: nobody restarts a stopped clock so fast.
+constexpr std::int64_t shortest_stop_cycles = 20;
 
 void add_runs(SecondDifferences& differences, std::span<const Beat> beats,
               std::span<const std::size_t> resumed) {
@@ -156,8 +156,8 @@ private:
     const bool displaced = count.displaced;
     const double periods = (beats[i].time - before.time) / result_.typical_period_s;
     gap.length = displaced && periods < 2.0 ? 0 : count.cycles - 1;
-    gap.kind = gap.length > shortest_stop ? (displaced ? GapKind::stop : GapKind::gap)
-                                          : (displaced ? GapKind::step : GapKind::missed);
+    gap.kind = gap.length > shortest_stop_cycles ? (displaced ? GapKind::stop : GapKind::gap)
+                                                 : (displaced ? GapKind::step : GapKind::missed);
     gap.bridged = gap.probability >= least_probability_ &&
                   (!lost || gap.length <= result_.longest_countable_gap);
     if (lost && gap.length == 0) gap.kind = GapKind::step;
@@ -167,8 +167,8 @@ private:
   void begin_segment(std::size_t i) {
     if (segment_ == std::numeric_limits<std::uint16_t>::max())
       throw InputError({source_, result_.beats[i].line, 1},
-                       "more than 65536 segments: the beats are lost again and again",
-                       "a log that is steady for some beats in most places");
+                       "more than 65536 segments: the beats cannot be followed",
+                       "a log with longer steady stretches");
     ++segment_;
     first_ = i;
   }
@@ -246,13 +246,14 @@ Beats beats_on_grid(std::vector<Beat>&& events, const std::string& source) {
   for (std::size_t i = 1; i < beats.size(); ++i) {
     const double elapsed = beats[i].time - beats[i - 1].time;
     if (!(elapsed > 0.0))
-      throw InputError({source, beats[i].line, 1},
-                       "a clock's error that grows by more than the interval",
-                       "that of a clock that goes forward");
+      throw InputError(
+          {source, beats[i].line, 1},
+          "a clock error that grows by more than the interval, so that the clock goes back",
+          "errors of a clock that goes forward");
     const std::int64_t cycles = beats[i].cycle - beats[i - 1].cycle;
     periods.push_back(elapsed / static_cast<double>(cycles));
     if (cycles == 1) continue;
-    const GapKind kind = cycles - 1 > shortest_stop ? GapKind::gap : GapKind::missed;
+    const GapKind kind = cycles - 1 > shortest_stop_cycles ? GapKind::gap : GapKind::missed;
     result.gaps.push_back({beats[i - 1].cycle, cycles - 1, 1.0, true, kind});
     result.missed += cycles - 1;
   }

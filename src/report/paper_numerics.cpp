@@ -1,4 +1,4 @@
-// The paper's numerical issues: app. appnum.
+// Numbers for Appendix D of Hoyng's paper: how RK4 switches the torque and how crossings are found.
 #include "paper_rates.hpp"
 
 #include "base/scaled_time.hpp"
@@ -13,7 +13,7 @@ namespace {
 
 // The rms of the rates of single periods about their mean, at C's amplitude.
 double scatter_of_rates(const ClockParameters& clock, Method method) {
-  constexpr std::int64_t periods = 2000; // the places of crossings in their steps are all met
+  constexpr std::int64_t periods = 2000; // crossings fall everywhere within a step
   Scenario scenario = scenario_of(clock, periods, method);
   scenario.method.rk4_torque = Rk4Torque::per_stage;
   if (clock.escapement == Escapement::none)
@@ -61,13 +61,12 @@ void add_numerics(std::vector<PaperNumber>& numbers) {
   free.epsilon = 0.0;
   numbers.push_back({"rms noise of a period's rate by RK4, without drive and friction", "App. D",
                      "acceptable", scatter_of_rates(free, Method::rk4), scatter_of_interpolation(),
-                     "", "ours is what a straight line between two points of a sinusoid does"});
+                     "", "ours is the error of a straight line between two points of a sinusoid"});
   const double noise = scatter_of_rates(point_c(), Method::rk4);
   numbers.push_back({"the same at C, the torque chosen in each stage", "App. D", "acceptable",
                      noise, scatter_of_rates(point_c(), Method::direct), "",
                      fmt::format("direct integration solves for switches and crossings. Most of "
-                                 "the noise is that of displaced switches; ε is {:.0f} times it",
-                                 point_c().epsilon / noise)});
+                                 "the noise is that of displaced switches")});
 }
 
 } // namespace goingrate::paper

@@ -73,7 +73,7 @@ std::vector<double> window(std::size_t size) {
 }
 
 // |X|^2 / N at frequencies k / (2 N), k = 0 .. N, through the window: for white noise its mean is
-// the variance. Without a window a series whose ends differ leaks into every second of these
+// the variance. Without a window a series whose ends differ leaks into every other one of these
 // frequencies, so that a median over them is not the density.
 std::vector<double> fine_periodogram(const std::vector<double>& x,
                                      const std::vector<double>& window) {
@@ -197,7 +197,8 @@ void check(std::span<const double> series, double interval_s) {
 std::optional<std::size_t> main_line_of(const SpectralLine& line,
                                         const std::vector<SpectralLine>& stronger,
                                         double resolution_hz) {
-  constexpr double sideband_resolutions = 4.0; // resolutions: four swells in the series
+  // A sideband closer than this belongs to a modulation of at most four cycles in the series.
+  constexpr double sideband_resolutions = 4.0;
   constexpr double largest_sideband_share =
       0.667; // a sideband has at most half, in noise a little more
   for (std::size_t i = 0; i < stronger.size(); ++i)
@@ -250,12 +251,14 @@ FoldedProfile folded(std::span<const double> series, double interval_s, double p
     throw ArgumentError("bins", static_cast<double>(bins), "from 2 to the values in a turn");
   std::vector<double> sum(bins, 0.0), sum2(bins, 0.0), count(bins, 0.0);
   double all = 0.0, known = 0.0;
+  // Taking off a value of the series keeps its digits where it stands far from 0.
+  const auto first = std::ranges::find_if(series, [](double x) { return !std::isnan(x); });
   for (std::size_t i = 0; i < series.size(); ++i) {
     if (std::isnan(series[i])) continue;
     const double turns = static_cast<double>(i) / in_a_turn;
     const auto bin = std::min(bins - 1, static_cast<std::size_t>((turns - std::floor(turns)) *
                                                                  static_cast<double>(bins)));
-    const double v = series[i] - series.front(); // a large offset costs no digits
+    const double v = series[i] - *first;
     sum[bin] += v;
     sum2[bin] += v * v;
     ++count[bin];

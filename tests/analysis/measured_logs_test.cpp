@@ -14,13 +14,13 @@ std::optional<Analysis> analysed(const char* name) {
   if (!path) return {};
   LoadRequest request;
   request.path = path->string();
-  AnalysisRequest road;
-  road.finds_events = true;
-  return analyse(load(request), road);
+  AnalysisRequest questions;
+  questions.finds_events = true;
+  return analyse(load(request), questions);
 }
 
 #define NEEDS(analysis)                                                                            \
-  if (!(analysis)) GTEST_SKIP() << "the measured logs are not beside the project"
+  if (!(analysis)) GTEST_SKIP() << "needs the measured logs (CONTRIBUTING.md says where they are)"
 
 bool is_determined(const FitSummary& fit, const char* name) {
   const FittedParameter* parameter = fit.find(name);
@@ -38,7 +38,7 @@ TEST(MeasuredLogs, AQuietDayOfATurretClock) {
   for (const char* name : {"T0", "epsilon", "mu", "phi0"})
     EXPECT_FALSE(is_determined(day->fit, name)) << name;
   EXPECT_FALSE(day->drive.split);
-  // The escapement has three legs, of which one acts every 9 s.
+  // Each of the three legs of the escape wheel comes round every 9 s.
   ASSERT_FALSE(day->suspicions.empty());
   EXPECT_EQ(day->suspicions.front().cause, Cause::wheel);
   EXPECT_NE(day->suspicions.front().evidence.find("every 9.000"), std::string::npos);
@@ -47,7 +47,7 @@ TEST(MeasuredLogs, AQuietDayOfATurretClock) {
 TEST(MeasuredLogs, ADayWhoseDriveWasInterrupted) {
   const auto day = analysed("trinity-clock/clock2013-03-31.txt");
   NEEDS(day);
-  EXPECT_EQ(day->diary.changes.size(), 2u); // its begin and its end
+  EXPECT_EQ(day->diary.changes.size(), 2u); // its beginning and its end
   ASSERT_EQ(day->diary.interruptions.size(), 1u);
   const Interruption& told = day->diary.interruptions.front();
   EXPECT_NEAR(told.begin.at_s, 207.0, 9.0); // three beats
@@ -59,11 +59,11 @@ TEST(MeasuredLogs, ADayWhoseDriveWasInterrupted) {
   // The squared amplitude comes back at twice the rate at which the amplitude falls.
   EXPECT_NEAR(told.recovery->time_constant_s, 0.5 * told.decay->time_constant_s,
               0.2 * told.decay->time_constant_s);
-  // The leg that acts every 9 s is a wheel's, and no push once in many swings.
+  // The line at 9 s is the turn of the escape wheel, not an impulse given once in several swings.
   EXPECT_FALSE(day->fit.impulses);
   ASSERT_FALSE(day->drive.lines.empty());
   EXPECT_NEAR(1.0 / day->drive.lines.front().frequency_hz, 9.0, 1e-3);
-  for (const char* name : {"T0", "mu", "phi0"}) // nothing is made of an interruption
+  for (const char* name : {"T0", "mu", "phi0"}) // no change of the clock is fitted to it
     EXPECT_FALSE(is_determined(day->fit, name)) << name;
   EXPECT_FALSE(day->drive.split);
 }
@@ -78,13 +78,15 @@ TEST(MeasuredLogs, AVideoOfARingDown) {
   EXPECT_EQ(fit.model.escapement, Escapement::none);
   EXPECT_TRUE(video->drive.swings_freely);
   EXPECT_TRUE(video->suspicions.empty());
-  EXPECT_NEAR(video->rate.mean_period_s, 1.64991, 5e-3); // the publisher's, weighted otherwise
+  // The publisher's mean, whose weights are others.
+  EXPECT_NEAR(video->rate.mean_period_s, 1.64991, 5e-3);
   ASSERT_FALSE(fit.model_amplitude_rad.empty());
-  // The first angle of the log is 0.702 rad, near a turn; the publisher's amplitude is the mean of
-  // a decay that is not exponential.
+  // The first angle of the log is 0.702 rad, near a turning point; the publisher's amplitude is the
+  // mean of a decay that is not exponential.
   EXPECT_NEAR(fit.model_amplitude_rad.front(), 0.69, 0.03);
+  constexpr double log_length_s = 114.0;
   const double decay_s =
-      114.0 / std::log(fit.model_amplitude_rad.front() / fit.model_amplitude_rad.back());
+      log_length_s / std::log(fit.model_amplitude_rad.front() / fit.model_amplitude_rad.back());
   EXPECT_NEAR(decay_s, 87.0, 10.0); // 80.5 s by the publisher's fit, 94 s by the logarithm's slope
 }
 
@@ -98,12 +100,13 @@ TEST(MeasuredLogs, TheVideosQDependsOnTheAmplitude) {
   ASSERT_EQ(at.size(), 9u);
   for (const QAtAmplitude& row : at)
     ASSERT_GT(row.q.sigma, 0.0) << row.amplitude_rad;
-  // It passes the publisher's within the log, beyond doubt at both ends: no one Q is the pendulum's.
+  // Q crosses the publisher's value within the log and differs from it at both ends: no single Q
+  // describes the pendulum.
   EXPECT_LT(at.back().q.high95, 142.0 - 4.0);
   EXPECT_GT(at.front().q.low95, 142.0 + 4.0);
   for (std::size_t k = 1; k < at.size(); ++k)
     EXPECT_LT(at[k].q.value, at[k - 1].q.value) << at[k].amplitude_rad;
-  // Drag that grows with the speed, with or without a linear part, and a pivot that rubs.
+  // The likeliest law: quadratic drag and dry friction, with or without a linear part.
   EXPECT_NE(decay.laws.front().friction.find("quadratic + dry"), std::string::npos);
   const auto linear = std::find_if(decay.laws.begin(), decay.laws.end(),
                                    [](const FrictionLaw& law) { return law.friction == "linear"; });

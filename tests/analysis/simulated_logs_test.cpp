@@ -32,22 +32,23 @@ TEST(SimulatedLogsTest, WhatNoNumberTellsIsLeftOut) {
   EXPECT_EQ(truth.at("lambda0"), 0.1);
 }
 
-// A fit has the drive that an escapement that rests gives in the mean.
+// A fit knows only the mean drive: the impulse over the periods from one impulse to the next.
 TEST(SimulatedLogsTest, AnEventMayChangeHowOftenTheEscapementActs) {
   Scenario scenario = test::at_point_a(300);
   scenario.clock.mu *= 5.0;
   scenario.clock.every = 5;
-  ClockEvent twice_as_often, waits;
-  twice_as_often.at_period = 100;
-  twice_as_often.every = 10;
+  ClockEvent half_as_often, waits;
+  half_as_often.at_period = 100;
+  half_as_often.every = 10;
   waits.at_period = 200;
   waits.every = 1;
   waits.below = 0.039;
-  scenario.events = {twice_as_often, waits};
+  scenario.events = {half_as_often, waits};
   const auto truth = true_parameters(scenario);
   EXPECT_DOUBLE_EQ(truth.at("mu"), 2e-5);
   EXPECT_DOUBLE_EQ(truth.at("mu@1"), 1e-5);
-  // What friction takes at the limit: mu = pi eps lambda^2/(2 phi0); half a tooth, 25 %, above it.
+  // What friction takes at the limit, mu = pi eps lambda^2/(2 phi0); the saw-tooth lifts the mean
+  // lambda^2 some 25 % above the limit.
   EXPECT_NEAR(truth.at("mu@2") / (M_PI * 2.5e-4 * 0.039 * 0.039 / 0.06), 1.0, 0.3);
 }
 

@@ -12,9 +12,9 @@
 namespace goingrate {
 namespace {
 
-// The sum of what was shared out, and how many threads took part.
+// How often each piece was done, and how many threads took part.
 struct Done {
-  std::vector<int> times;
+  std::vector<int> calls;
   std::size_t threads = 0;
 };
 
@@ -24,7 +24,7 @@ Done counted(std::size_t count, std::size_t threads) {
   share_out(count, threads, [&] {
     const std::lock_guard lock(counting);
     ++done.threads;
-    return [&](std::size_t i) { ++done.times[i]; };
+    return [&](std::size_t i) { ++done.calls[i]; };
   });
   return done;
 }
@@ -32,7 +32,7 @@ Done counted(std::size_t count, std::size_t threads) {
 TEST(WorkersTest, EachPieceIsDoneOnce) {
   for (const std::size_t threads : {0, 1, 3, 64}) {
     const Done done = counted(1000, threads);
-    EXPECT_EQ(done.times, std::vector<int>(1000, 1)) << threads;
+    EXPECT_EQ(done.calls, std::vector<int>(1000, 1)) << threads;
     EXPECT_EQ(done.threads, std::max<std::size_t>(threads, 1));
   }
   EXPECT_EQ(counted(2, 64).threads, 2u);
@@ -55,15 +55,15 @@ TEST(WorkersTest, APartOfSharedWorkIsNotSharedAgain) {
   EXPECT_EQ(counted(100, 8).threads, 8u);
 }
 
-TEST(WorkersTest, WithoutRoomForOtherThreadsTheCallersDoesIt) {
+TEST(WorkersTest, IfNoThreadCanStartTheCallerDoesTheWork) {
   GOINGRATE_NEEDS_MEMORY_LIMITS();
   GTEST_FLAG_SET(death_test_style, "threadsafe"); // a fresh process, without stacks to use again
   const auto in_little_room = [] {
-    constexpr rlim_t room = 1 << 20; // beyond what the program has: no stack fits
-    const rlimit limit{room, room};
+    constexpr rlim_t address_space_bytes = 1 << 20; // less than the program has: no stack fits
+    const rlimit limit{address_space_bytes, address_space_bytes};
     ::setrlimit(RLIMIT_AS, &limit);
     const Done done = counted(100, 64);
-    std::exit(done.threads == 1 && done.times == std::vector<int>(100, 1) ? 0 : 1);
+    std::exit(done.threads == 1 && done.calls == std::vector<int>(100, 1) ? 0 : 1);
   };
   EXPECT_EXIT(in_little_room(), testing::ExitedWithCode(0), "");
 }

@@ -25,7 +25,8 @@ TEST_F(MonitorLinesTest, OneWrongLineMovesNothing) {
   }
 }
 
-// As many as agree by a fault of the source: none becomes an event, each is a comment.
+// Ten wrong lines that agree, as by a fault of the source: none becomes an event, each is stored as
+// a comment.
 TEST_F(MonitorLinesTest, WrongLinesThatAgreeMoveNothing) {
   for (const double wrong_by : {4294.967296, -30.0}) {
     std::filesystem::remove_all(options_.folder);
@@ -105,7 +106,7 @@ TEST_F(MonitorLinesTest, ASourceThatBeganAgainInBetweenGetsANotedOrigin) {
   EXPECT_NEAR(watch.going().last()->time - last, 20.0, 1e-3);
 }
 
-// Killed while they wait for a third one.
+// The monitor is killed while two events after a gap wait for a third to confirm them.
 TEST_F(MonitorLinesTest, EventsBehindAGapAreOnDiskAtOnce) {
   for (const double amplitude_rad : {std::nan(""), 0.03}) {
     std::filesystem::remove_all(options_.folder);
@@ -147,7 +148,7 @@ TEST_F(MonitorLinesTest, AHeadOutlivesARestart) {
   SourceHead(options_.folder, "/dev/ttyACM0:9600").keep(head);
   SourceHead again(options_.folder, "/dev/ttyACM0:9600");
   EXPECT_EQ(again.text(), head);
-  again.keep(""); // what it told is not told again
+  again.keep(""); // a source that goes on does not repeat its head, which stays
   EXPECT_EQ(SourceHead(options_.folder, "/dev/ttyACM0:9600").text(), head);
   EXPECT_EQ(SourceHead(options_.folder, "another").text(), "");
 }

@@ -207,6 +207,20 @@ def test_predictions_of_a_ring_down():
     assert np.abs(late - late[0]).max() < 1e-4
 
 
+@pytest.mark.parametrize("option", [{"fix": {"gravity_share": 0.4}}, {"free": ["gravity_share"]}])
+def test_predictions_of_a_spring_beside_gravity(option):
+    log, truth = gr.simulate({
+        "clock": {"nominal_period": 1.0, "epsilon": 1e-3, "escapement": "none",
+                  "gravity_share": 0.4},
+        "start": {"amplitude": 0.8}, "run": {"periods": 800},
+        "sensor": {"jitter_rms": 1e-6, "amplitude_rms": 1e-4}}, seed=3)
+    half = gr.Log(time_s=log.time_s[:401], amplitude_rad=log.amplitude_rad[:401])
+    fit = gr.fit(half, **option)
+    late = fit.predict(truth.cycle) - truth.time_s
+    # Gravity alone would slow the next 400 s by some 1e-3, 0.4 s; the fit's σ is some 1e-5 s.
+    assert np.abs(late - late[0]).max() < 1e-4
+
+
 def test_predictions_that_cannot_be_made(jump_fit):
     for wrong in ([-1], [1.5], [[1, 2]], ["a"], [None]):
         with pytest.raises(ValueError):

@@ -121,6 +121,15 @@ TEST(LinesTest, FoldingGivesTheMeanCourse) {
   EXPECT_NEAR(chi2, 30.0, 31.0); // four standard deviations, sqrt(60)
 }
 
+TEST(LinesTest, FoldingLeavesOutUnknownValues) {
+  auto x = noise(3000, 6);
+  const FoldedProfile whole = folded(x, 2.0, 60.0, 30);
+  x.front() = x[777] = std::nan("");
+  const FoldedProfile profile = folded(x, 2.0, 60.0, 30);
+  for (std::size_t b = 0; b < 30; ++b) // one value of a hundred less
+    EXPECT_NEAR(profile.mean[b], whole.mean[b], 0.06) << b;
+}
+
 TEST(LinesTest, TheTrainOfASecondsPendulum) {
   const std::vector<int> train{60, 8, 64, 8, 30};
   const auto periods = train_periods(train, 2.0);

@@ -4,8 +4,9 @@
 // root of the likelihood ratio at the truth, over all logs, is standard normal.
 //   study_prior write FOLDER LOGS SEED (jump|rough)     logs, and what the fit of each is told
 //   study_prior score FOLDER LOGS SEED (jump|rough) [each]
-// Between them `goingrate batch fit` writes FOLDER/found.jsonl, FOLDER/told.jsonl and, with the
-// I-th parameter held at its true value, FOLDER/held-I.jsonl; `each` prints a line per log.
+// prior.sh runs it. Between the two, `goingrate batch fit` writes FOLDER/found.jsonl (fits that know
+// what a user would), FOLDER/told.jsonl (fits started at the truth) and FOLDER/held-I.jsonl (the
+// I-th parameter, counted from 0, held at its true value); `each` prints a line per log.
 #include "goingrate/fit/clock_fit.hpp"
 #include "goingrate/log/writing.hpp"
 #include "support/prior_clocks.hpp"
@@ -52,7 +53,7 @@ std::string par_of(const FitOptions& options) {
   return text;
 }
 
-// The parameters that are scored: not the amplitude at rest, whose truth is known to first order
+// The parameters that are scored: not the initial amplitude, whose truth is known to first order
 // only. Where T0 is given, or nothing changes, the list is shorter.
 std::vector<std::string> scored_names(const test::DrawnClock& drawn) {
   std::vector<std::string> names;
@@ -72,7 +73,7 @@ FitOptions with_one_held(const test::DrawnClock& drawn, std::size_t i) {
   return options;
 }
 
-// In order of their names, as batch takes the files of a folder.
+// Names are numbers, so that batch, which takes files by name, keeps the order of the logs.
 void write(const Study& study) {
   std::filesystem::create_directories(study.folder / "logs");
   for (std::size_t i = 0; i < study.logs; ++i) {
@@ -127,7 +128,7 @@ std::string model_of(const Json& fit) {
 void judge(const test::DrawnClock& drawn, const Json& found, const Json& told, Outcome& outcome) {
   for (const auto& [name, value] : drawn.truth) {
     const Json *own = parameter(found, name), *best = parameter(told, name);
-    // The amplitude at rest is known to first order only: good for a start.
+    // The initial amplitude is known to first order only: it is not scored.
     if (name == "lambda0" || own == nullptr || best == nullptr ||
         drawn.options.fixed.contains(name))
       continue;
@@ -305,7 +306,7 @@ void score(const Study& study, bool each) {
   }
   fmt::print("{} logs, {} without a result\n", study.logs, failed);
   fmt::print("2 log L more than 1 behind the fit from the truth: {}\n", behind);
-  fmt::print("something stated more than 5 sigma off: {}, of these without a twin told: {}\n",
+  fmt::print("something stated more than 5 sigma off: {}, of these with no twin listed: {}\n",
              wrong, unlisted);
   fmt::print("logs of which several clocks are listed: {}, none of them within 5 sigma: {}\n", listed,
              lost);

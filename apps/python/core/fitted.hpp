@@ -44,7 +44,7 @@ std::vector<double> predict_sigma(const Fitted& fit, const std::vector<std::int6
 void check_cycles(const Fitted& fit, const std::vector<std::int64_t>& cycles);
 
 /// Throws NumericsError for a fit with a term that is known only within the log: a rate that
-/// depends on something outside the clock, or a sensor off the vertical or off in scale.
+/// depends on something outside the clock, a sensor offset, or an amplitude scale.
 void refuse_what_lies_outside(const Fitted& fit);
 
 /// The clock of the fit. Each parameter is `value(name, absent)`, where `absent` is its value if
@@ -58,6 +58,7 @@ template <class Value> ClockParameters clock_of(const Fitted& fit, Value value) 
   clock.phi0 = value("phi0", 0.0);
   clock.quadratic_drag = value("quadratic_drag", 0.0);
   clock.dry_friction = value("dry_friction", 0.0);
+  clock.gravity_share = value("gravity_share", 1.0);
   clock.impulse = value("impulse", 0.0);
   clock.impulse_angle = value("impulse_angle", 0.0);
   return clock;

@@ -2,6 +2,7 @@
 
 #include "goingrate/base/errors.hpp"
 #include "goingrate/base/pulse.hpp"
+#include "goingrate/clock/restoring.hpp"
 #include "goingrate/dynamics/clock_run.hpp"
 
 #include <algorithm>
@@ -46,7 +47,7 @@ Scenario clock_going_on(const Fitted& fit, std::int64_t periods) {
   const double amplitude = model_amplitude(fit, fit.data.size() - 1);
   if (!std::isfinite(amplitude))
     throw NumericsError("the fit has no amplitude: it cannot predict beyond the log");
-  scenario.start_amplitude = 2.0 * std::sin(0.5 * amplitude); // phi' at the vertical
+  scenario.start_amplitude = velocity_of_turning_angle(scenario.clock.gravity_share, amplitude);
   scenario.periods = periods;
   scenario.method.method = method_of(fit.summary.dynamics);
   return scenario;

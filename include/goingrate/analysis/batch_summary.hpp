@@ -20,7 +20,7 @@ struct ParameterScore {
   double within68 = 0.0, within95 = 0.0; ///< shares of the intervals that hold the true value
   double mean_pull = 0.0, sd_pull = 0.0; ///< of (value - truth)/sigma: 0 and 1 for honest sigmas
   double median = 0.0;                   ///< of the values
-  double median_sigma = 0.0;             ///< of the sigmas that were stated
+  double median_sigma = 0.0;             ///< of their sigmas
   double scatter = 0.0;                  ///< standard deviation of the values; NaN for one
   double rms_error = 0.0;                ///< of the values, from the truth
 };
@@ -29,7 +29,7 @@ struct ParameterScore {
 struct DeviationScore {
   double tau_s = 0.0;
   std::size_t jobs = 0;
-  double median = 0.0, low = 0.0, high = 0.0; ///< 16 %, 50 % and 84 % of them lie below
+  double median = 0.0, low = 0.0, high = 0.0; ///< the quantiles at 50 %, 16 % and 84 %
 };
 
 /// One job, in a line of a table.
@@ -49,7 +49,7 @@ struct BatchSummary {
   std::size_t jobs = 0;
   std::map<int, std::size_t> exits;            ///< number of jobs with each exit code
   std::map<std::string, std::size_t> statuses; ///< of fits
-  std::map<std::string, std::size_t> models;   ///< of fits: dynamics and noise
+  std::map<std::string, std::size_t> models;   ///< of fits: dynamics, escapement, noise
   std::vector<JobRow> rows;                    ///< one per job
   std::vector<ParameterScore> parameters;      ///< in order of name
   std::vector<DeviationScore> deviations;      ///< in order of averaging time

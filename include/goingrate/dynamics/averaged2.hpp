@@ -230,7 +230,7 @@ SecondOrderPeriod<T> third_order_period(const T& eps, const T& mu, const T& phi0
   return second_order::turn<3, 2>(eps, mu, phi0, Lambda2);
 }
 
-/// A period of the escapement with a single impulse (Hoyng, app. appblow): where phi rises through
+/// A period of the escapement with a single impulse (Hoyng, Appendix C): where phi rises through
 /// phi1, phi'^2/2 jumps by e. From one upward crossing to the next; an impulse at phi1 = 0 comes
 /// just after the first of them.
 ///

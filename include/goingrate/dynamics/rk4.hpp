@@ -2,7 +2,7 @@
 //
 // Equation (Hoyng, eq. ddt1), scaled time: phi'' + 2 eps phi' + sin phi = m, with the model
 // escapement: m = +mu until phi rises through phi0, then -mu until phi falls through -phi0. The
-// crossings phi = 0 are found by linear interpolation between grid points (app. appnum).
+// crossings phi = 0 are found by linear interpolation between grid points (Appendix D).
 //
 // The appendix leaves open when a step learns that the torque has switched. Rate error (rate excess
 // minus the exact 1.844e-8) at the paper's point C, eps 1.167245e-4, mu 1.5e-5, phi0 0.03:
