@@ -83,6 +83,32 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
+// The scatter of jumps, of all and of those of each eighth of the log: the times of a swing that
+// dies away scatter the more the smaller it is.
+class Scatter {
+public:
+  explicit Scatter(const std::vector<double>& sizes)
+      : all_(of(sizes)), length_(std::max<std::size_t>(1, (sizes.size() + parts - 1) / parts)) {
+    for (std::size_t begin = 0; begin < sizes.size(); begin += length_) {
+      const auto first = sizes.begin() + static_cast<std::ptrdiff_t>(begin);
+      const auto count = std::min(length_, sizes.size() - begin);
+      of_part_.push_back(of({first, first + static_cast<std::ptrdiff_t>(count)}));
+    }
+  }
+  [[nodiscard]] double all() const { return all_; }
+  [[nodiscard]] double at(std::size_t i) const { return std::max(all_, of_part_[i / length_]); }
+
+private:
+  static constexpr std::size_t parts = 8;
+  static double of(std::vector<double> sizes) {
+    constexpr double sigma_per_median = 1.4826; // of the absolute values of a normal variable
+    return sigma_per_median * median_of(std::move(sizes));
+  }
+  double all_;
+  std::size_t length_;
+  std::vector<double> of_part_;
+};
+
 // The largest displacement, judged by means over `reach` beats.
 std::optional<Displacement> greatest(const TimingData& data, std::size_t reach, double price) {
   constexpr double least_gain = 6.0; // of 2 log L beyond the price: odds of 20 to 1
@@ -92,21 +118,20 @@ std::optional<Displacement> greatest(const TimingData& data, std::size_t reach, 
   size.reserve(data.size() - 4 * reach + 1);
   for (std::size_t at = first; at + 2 * reach <= data.size(); ++at)
     size.push_back(std::abs(jump_at(data, at, reach).scaled));
-  constexpr double sigma_per_median = 1.4826; // of the absolute values of a normal variable
-  const double scatter = sigma_per_median * median_of(size);
-  const double least = scatter * std::sqrt(price + least_gain);
+  const Scatter scatter(size);
+  const double least = std::sqrt(price + least_gain);
   std::vector<std::size_t> places;
   for (std::size_t i = 0; i < size.size(); ++i)
-    if (size[i] > least) places.push_back(i);
+    if (size[i] > least * scatter.at(i)) places.push_back(i);
   constexpr std::size_t most_tried = 200; // with more jumps the log is noisy, not displaced
-  if (!(scatter > 0.0) || places.size() > most_tried) return {};
+  if (!(scatter.all() > 0.0) || places.size() > most_tried) return {};
   std::sort(places.begin(), places.end(),
             [&](std::size_t a, std::size_t b) { return size[a] > size[b]; });
   for (const std::size_t place : places) {
     const std::size_t at = first + place;
     const double jump = jump_at(data, at, reach).size;
     if (is_sudden(data, at, reach, jump, jump_at(data, at, 1).size))
-      return Displacement{at, jump, std::pow(size[place] / scatter, 2) - price};
+      return Displacement{at, jump, std::pow(size[place] / scatter.at(place), 2) - price};
   }
   return {};
 }

@@ -208,7 +208,9 @@ std::optional<Candidate> visible_pushes(const Sight& sight, double price) {
   std::vector<double> pushes;
   std::size_t falls = 0;
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    if (steps[i] - middle > threshold) pushes.push_back(static_cast<double>(i));
+    // A push through the vertical raises the swing of that crossing by a half, of the next by all.
+    const bool goes_on = !pushes.empty() && pushes.back() + 1.0 == static_cast<double>(i);
+    if (steps[i] - middle > threshold && !goes_on) pushes.push_back(static_cast<double>(i));
     falls += middle - steps[i] > threshold ? 1 : 0;
   }
   if (20 * falls > pushes.size()) return {}; // pushes do not go both up and down

@@ -137,7 +137,7 @@ struct RoleWord {
   ColumnRole role;
 };
 // The first that the name contains counts; the longer come before those they contain.
-constexpr std::array<RoleWord, 44> role_words{{{"uncertainty", ColumnRole::ignored},
+constexpr std::array<RoleWord, 50> role_words{{{"uncertainty", ColumnRole::ignored},
                                                {"standard", ColumnRole::ignored}, // deviation
                                                {"dew", ColumnRole::ignored},
                                                {"wind", ColumnRole::ignored},
@@ -150,10 +150,16 @@ constexpr std::array<RoleWord, 44> role_words{{{"uncertainty", ColumnRole::ignor
                                                {"half period", ColumnRole::half_period},
                                                {"halfperiod", ColumnRole::half_period},
                                                {"width", ColumnRole::width},
+                                               {"in gate", ColumnRole::width}, // time in gate
+                                               {"gate time", ColumnRole::width},
+                                               {"dark", ColumnRole::width},
+                                               {"dunkel", ColumnRole::width}, // German
+                                               {"blocked", ColumnRole::width},
                                                {"interval", ColumnRole::period},
                                                {"period", ColumnRole::period},
                                                {"clock error", ColumnRole::clock_error},
                                                {"clock_error", ColumnRole::clock_error},
+                                               {"minus", ColumnRole::clock_error}, // clock minus GPS
                                                {"drift", ColumnRole::clock_error},
                                                {"amplitude", ColumnRole::amplitude},
                                                {"humid", ColumnRole::humidity},

@@ -205,6 +205,51 @@ std::optional<double> half_period(const std::vector<double>& steps, double perio
   return std::abs(2.0 * mean / period_s - 1.0) < 0.02 ? mean : 0.5 * period_s;
 }
 
+// Counts half swings. An event in the midst of one is a false one, from which the next is counted
+// only if that does not fit the event before either: the times may have been displaced.
+class HalfSwings {
+public:
+  explicit HalfSwings(double half_s) : half_s_(half_s) {}
+
+  std::int64_t at(const Beat& event) {
+    if (event.flag == BeatFlag::bounce) return last_.count;
+    const Place from_last = place(event, last_);
+    if (from_last.fits) return accept(event, from_last.count);
+    const Place from_stray = place(event, stray_);
+    if (stray_.event != nullptr && from_stray.fits) return accept(event, from_stray.count);
+    stray_ = {&event, from_last.count};
+    return from_last.count;
+  }
+
+private:
+  struct Counted {
+    const Beat* event = nullptr;
+    std::int64_t count = 0;
+  };
+  struct Place {
+    std::int64_t count;
+    bool fits;
+  };
+
+  [[nodiscard]] Place place(const Beat& event, const Counted& from) const {
+    const double halves = from.event == nullptr ? 0.0 : (event.time - from.event->time) / half_s_;
+    if (!(std::abs(halves) < 1e15)) return {from.count, true};
+    constexpr double largest_beat_error = 0.3; // half swings; a clock runs with less
+    const double whole = std::round(halves);
+    return {from.count + static_cast<std::int64_t>(whole),
+            std::abs(halves - whole) <= largest_beat_error};
+  }
+
+  std::int64_t accept(const Beat& event, std::int64_t count) {
+    last_ = {&event, count};
+    stray_ = {};
+    return count;
+  }
+
+  double half_s_;
+  Counted last_, stray_;
+};
+
 } // namespace
 
 void place_downward(std::span<Beat> beats, double period_s) {
@@ -231,16 +276,9 @@ bool label_alternate_edges(ClockLog& log, bool certain, std::optional<double> no
          "the nominal period is twice as long"});
     return false;
   }
-  std::int64_t beat = 0;
-  const Beat* last = nullptr;
-  for (Beat& event : log.events) {
-    if (event.flag != BeatFlag::bounce) {
-      const double beats = last == nullptr ? 0.0 : (event.time - last->time) / half;
-      if (std::abs(beats) < 1e15) beat += std::llround(beats);
-      last = &event;
-    }
-    event.edge = beat % 2 == 0 ? Edge::up : Edge::down;
-  }
+  HalfSwings count(half);
+  for (Beat& event : log.events)
+    event.edge = count.at(event) % 2 == 0 ? Edge::up : Edge::down;
   log.assumptions.push_back(
       {known ? "both directions are in the log: every other event is a downward crossing"
              : "the intervals alternate, so both directions are in the log: every other event is "

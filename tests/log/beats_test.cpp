@@ -176,6 +176,21 @@ TEST(BeatsTest, AlternatingIntervalsAreBothDirections) {
   }
 }
 
+// A false event in the midst of a half swing leaves the sides of the others as they are.
+TEST(BeatsTest, AFalseEventDoesNotSwapTickAndTock) {
+  for (const double at : {0.3, 0.49, 0.5, 0.51, 0.7}) {
+    std::vector<double> times;
+    for (int i = 0; i < 400; ++i)
+      times.push_back(i + (i % 2) * 0.02);
+    times.insert(times.begin() + 201, 200.0 + at);
+    ClockLog log = log_of(times);
+    EXPECT_TRUE(label_alternate_edges(log, false));
+    const Beats beats = number_beats(log);
+    EXPECT_EQ(beats.longest_segment().size(), 200u) << at;
+    EXPECT_EQ(beats.missed, 0) << at;
+  }
+}
+
 // A pendulum pushed off the vertical in every second swing: the period that is told is believed.
 TEST(BeatsTest, WholePeriodsThatAlternateAreOneDirection) {
   std::vector<double> times;

@@ -455,6 +455,19 @@ TEST(FormatsTest, WhatTurnsOutInOrderAfterAllIsNotTurnedRoundUnsorted) {
     ASSERT_LT(log.events[i - 1].time, log.events[i].time);
 }
 
+// As the programs of schools' gates name it.
+TEST(FormatsTest, TheTimeInAGateIsAWidth) {
+  for (const char* name : {"Time in gate (s)", "Gate Time (s)", "Dark time (s)", "Dunkelzeit (s)",
+                           "Time blocked (s)"}) {
+    const ClockLog log = read_log(fmt::format("Time (s),{}\n0.5,0.020\n2.5,0.021\n4.5,0.022\n"
+                                              "6.5,0.023\n",
+                                              name),
+                                  "gate.csv");
+    ASSERT_EQ(log.columns.width_s.size(), 4U) << name;
+    EXPECT_EQ(log.columns.width_s[2], 0.022) << name;
+  }
+}
+
 TEST(FormatsTest, WidthsTemperaturesAndGateEdgesBecomeColumns) {
   const ClockLog log = read_log("time_s,edge,temperature_c\n0.00,up-in,20\n0.02,up-out,20\n"
                                 "1.00,down-in,20\n1.02,down-out,21\n2.00,up-in,20\n2.02,up-out,22\n"
