@@ -136,10 +136,23 @@ void put_fitted_changes(const FitSummary& fit, std::span<const Beat> beats, Diar
 // The rate from one dated change to the next.
 std::vector<PartRate> stretches_of(std::span<const Beat> beats, const Diary& diary,
                                    double nominal_period_s) {
-  std::vector<Instant> cuts;
-  for (const Change& change : diary.changes)
-    if (!change.is_only_noted()) cuts.push_back(beats.front().time + change.at_s);
-  return rates_between(beats, cuts, nominal_period_s);
+  const auto rates = [&](double margin_s) {
+    std::vector<Instant> cuts;
+    for (const Change& change : diary.changes)
+      for (const double side : {-1.0, 1.0})
+        if (!change.is_only_noted() && (margin_s > 0.0 || side > 0.0))
+          cuts.push_back(beats.front().time + (change.at_s + side * margin_s));
+    return rates_between(beats, cuts, nominal_period_s);
+  };
+  // Readings date a change to half an interval: the two at it belong to neither stretch, if there
+  // are enough others.
+  const auto known = std::count_if(diary.changes.begin(), diary.changes.end(),
+                                   [](const Change& change) { return !change.is_only_noted(); });
+  if (nominal_period_s > longest_swing_s && known > 0) {
+    auto apart = rates(0.5 * nominal_period_s);
+    if (std::ssize(apart) == known + 1) return apart;
+  }
+  return rates(0.0);
 }
 
 // What the clock does at the end: the mean of the last stretch, unless its last quarter contradicts
@@ -322,26 +335,18 @@ std::vector<Beat> levelled_beats(std::span<const Beat> good, const ImpulseCycle&
 
 } // namespace
 
-// Readings of a clock are few, and each stands for a day of beats.
-static DiaryOptions diary_options(const NumberedLog& loaded) {
-  constexpr std::size_t least_window = 5, windows_in_a_log = 8;
-  DiaryOptions options;
-  if (loaded.nominal_period_s > longest_swing_s)
-    options.window =
-        std::clamp(loaded.good.size() / windows_in_a_log, least_window, options.window);
-  return options;
-}
-
 Diary diary_of(const NumberedLog& loaded, const TimingData& times) {
   if (rounding_explains(times)) return {};
   const std::vector<Beat> even =
       times.impulses ? levelled_beats(loaded.good, *times.impulses) : std::vector<Beat>{};
   const std::span<const Beat> good = times.impulses ? std::span<const Beat>(even) : loaded.good;
-  Diary diary = keep_diary(good, loaded.nominal_period_s, diary_options(loaded));
+  if (are_few_readings(times)) return diary_of_readings(good, loaded.nominal_period_s, times);
+  Diary diary = keep_diary(good, loaded.nominal_period_s);
   std::optional<TimingData> levelled; // no copy of a long log in which nothing is to be levelled
   if (!diary.interruptions.empty()) level_interruptions(diary, levelled.emplace(times));
   const TimingData& seen = levelled ? *levelled : times;
   add_small_changes(diagnosis_input(seen, loaded, diary, {}, {}), good, diary);
+  join_changes_across_gaps(good, diary);
   return diary;
 }
 

@@ -3,6 +3,7 @@
 
 #include "rounding.hpp"
 
+#include "causes/reading_changes.hpp"
 #include "causes/reading_errors.hpp"
 #include "fit/fit_setup.hpp"
 #include "goingrate/causes/covariates.hpp"
@@ -201,6 +202,17 @@ void find_what_recurs(TimingData& data) {
   if (!data.wheels.empty()) data.impulses = pushes_of(data);
 }
 
+// The readings for which the beats stand in, from the first beat to the last.
+void put_readings(const NumberedLog& loaded, TimingData& data) {
+  const double step_s = data.reference_period_s;
+  for (const Reading& reading : loaded.log.readings) {
+    const double elapsed_s = reading.time - loaded.good.front().time;
+    if (elapsed_s < -step_s || elapsed_s > data.elapsed_s.back() + step_s) continue;
+    data.as_read.elapsed_s.push_back(elapsed_s);
+    data.as_read.late_s.push_back(-reading.error_s);
+  }
+}
+
 } // namespace
 
 TimingData fit_data(const NumberedLog& loaded) {
@@ -210,6 +222,7 @@ TimingData fit_data(const NumberedLog& loaded) {
     data.no_swings =
         "the log holds the clock's error at equal intervals but not the period of its pendulum; "
         "give the nominal period";
+  put_readings(loaded, data);
   const EventColumns& columns = loaded.log.columns;
   if (!columns.sigma_s.empty())
     data.time_noise = relative_noise(at_good_beats(columns.sigma_s, loaded));
@@ -221,7 +234,10 @@ TimingData fit_data(const NumberedLog& loaded) {
   const bool swings = data.no_swings.empty() && data.reference_period_s <= longest_swing_s;
   if (swings) find_what_recurs(data);
   if (data.impulses) level_impulses(*data.impulses, data);
-  level_displacements(data);
+  if (are_few_readings(data))
+    timing_model::level_settings(data);
+  else
+    level_displacements(data);
   return data;
 }
 

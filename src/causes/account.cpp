@@ -58,6 +58,15 @@ std::vector<double> CourseMaker::power(int exponent) const {
   return s;
 }
 
+std::vector<double> CourseMaker::ramp(double place) const {
+  std::vector<double> s(count_);
+  for (std::size_t i = 0; i < count_; ++i) { // the mean over each block
+    const double since = std::max(0.0, static_cast<double>(i + 1) - place);
+    s[i] = (since < 1.0 ? 0.5 * since * since : since - 0.5) * length_s_ / seconds_per_day;
+  }
+  return s;
+}
+
 std::vector<double> CourseMaker::wave(double period_s, double phase) const {
   std::vector<double> s(count_);
   for (std::size_t i = 0; i < count_; ++i)

@@ -39,6 +39,8 @@ public:
   [[nodiscard]] std::vector<double> approach(double place, double time_s) const;
   /// Powers of the time from the middle, in days.
   [[nodiscard]] std::vector<double> power(int exponent) const;
+  /// The time since the place, in days; 0 before it.
+  [[nodiscard]] std::vector<double> ramp(double place) const;
   [[nodiscard]] std::vector<double> wave(double period_s, double phase) const;
 
 private:

@@ -7,7 +7,9 @@
 #include "goingrate/base/pulse.hpp"
 
 #include <algorithm>
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
+#include <limits>
 
 namespace goingrate::timing_model {
 
@@ -163,19 +165,45 @@ private:
   }
 
   // A ramp of the rate, with and without the amplitude following it.
+  void consider_drift(const Courses& ramp, double from_s, Candidate& best) const {
+    const bool seen = account_.sees_amplitude();
+    Candidate drift;
+    drift.cause = seen ? Cause::length_drift : Cause::growing_friction;
+    drift.courses = ramp;
+    drift.alternatives = {Cause::log_clock, Cause::unlogged_weather};
+    if (!seen) drift.alternatives.insert(drift.alternatives.begin(), Cause::length_drift);
+    drift.at_s = from_s;
+    consider(drift, best);
+    if (!seen) return;
+    drift.cause = Cause::growing_friction;
+    drift.courses.amplitude = ramp.rate;
+    drift.alternatives.clear();
+    consider(std::move(drift), best);
+  }
+
+  // Ramps that last throughout the log, or begin within it.
   void consider_drifts(Candidate& best) const {
     const auto t = make_.power(1), t2 = make_.power(2);
-    const bool seen = account_.sees_amplitude();
-    for (const bool bent : {false, true}) {
-      std::vector<std::vector<double>> ramp{t};
-      if (bent) ramp.push_back(t2);
-      consider({seen ? Cause::length_drift : Cause::growing_friction,
-                {ramp, {}},
-                seen ? std::vector{Cause::log_clock, Cause::unlogged_weather}
-                     : std::vector{Cause::length_drift, Cause::log_clock, Cause::unlogged_weather}},
-               best);
-      if (seen) consider({Cause::growing_friction, {ramp, ramp}}, best);
+    consider_drift({.rate = {t}, .amplitude = {}}, 0.0, best);
+    consider_drift({.rate = {t, t2}, .amplitude = {}}, 0.0, best);
+    const auto beginning = [&](double place) {
+      return Courses{.rate = {make_.ramp(place)}, .amplitude = {}, .dates = 1};
+    };
+    const auto blocks = static_cast<double>(blocks_.rate.size());
+    const double stride = blocks / 16.0, margin = 2.0 * stride; // a date needs both sides
+    if (stride < 1.0) return;
+    const FixedNoiseAccount noise = account_.in_noise_beside(beginning(0.5 * blocks));
+    double onset = margin, most = -std::numeric_limits<double>::infinity();
+    for (double place = margin; place <= blocks - margin; place += stride) {
+      const double gain = noise.gain_of(beginning(place));
+      if (gain <= most) continue;
+      most = gain;
+      onset = place;
     }
+    const auto loss = [&](double place) { return -noise.gain_of(beginning(place)); };
+    constexpr int bits = 10;
+    onset = boost::math::tools::brent_find_minima(loss, onset - stride, onset + stride, bits).first;
+    consider_drift(beginning(onset), onset * blocks_.length_s, best);
   }
 
   // The settling of a clock that was started or wound before the log begins.

@@ -235,20 +235,27 @@ void add_change(const TimingData& data, double at_s, double doubt_s, std::span<c
                  change);
 }
 
+// The interval in which a change lies belongs to neither stretch; where the beats are readings, which
+// date it to half an interval, nor does the next.
 void put_rates(std::span<const Beat> beats, double nominal_period_s, std::vector<Change>& changes) {
-  std::vector<std::size_t> knots{0};
-  for (const Change& change : changes) { // the last beat before it, as rates_between() cuts
+  const double margin_s = nominal_period_s > longest_swing_s ? 0.5 * nominal_period_s : 0.0;
+  std::vector<std::size_t> firsts{0}, ends; // of the stretches between changes
+  for (const Change& change : changes) {
     const Instant cut = beats.front().time + change.at_s;
-    const auto at = std::partition_point(beats.begin(), beats.end(),
-                                         [&](const Beat& beat) { return beat.time < cut; });
-    knots.push_back(static_cast<std::size_t>(std::max<std::ptrdiff_t>(at - beats.begin(), 1)) - 1);
+    const auto place = [&](const auto& is_before) {
+      const auto at = std::partition_point(beats.begin(), beats.end(), is_before);
+      return static_cast<std::size_t>(at - beats.begin());
+    };
+    ends.push_back(place([&](const Beat& beat) { return beat.time <= cut + -margin_s; }));
+    firsts.push_back(place([&](const Beat& beat) { return beat.time < cut + margin_s; }));
   }
-  knots.push_back(beats.size() - 1);
+  ends.push_back(beats.size());
+  const auto stretch = [&](std::size_t k) {
+    return beats.subspan(firsts[k], std::max(ends[k], firsts[k]) - firsts[k]);
+  };
   for (std::size_t j = 0; j < changes.size(); ++j) {
-    const std::size_t from = knots[j], at = knots[j + 1], to = knots[j + 2];
-    put_rate(beats.subspan(from, at - from + 1), nominal_period_s, changes[j].rate_before,
-             changes[j].rate_before_sigma);
-    put_rate(beats.subspan(at, to - at + 1), nominal_period_s, changes[j].rate_after,
+    put_rate(stretch(j), nominal_period_s, changes[j].rate_before, changes[j].rate_before_sigma);
+    put_rate(stretch(j + 1), nominal_period_s, changes[j].rate_after,
              changes[j].rate_after_sigma);
   }
 }

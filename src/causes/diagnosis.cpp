@@ -39,7 +39,8 @@ public:
   std::vector<Suspicion> suspicions() {
     take_causes();
     std::vector<Suspicion> all;
-    for (const Candidate& fault : faults()) {
+    const std::vector<Candidate> found = faults();
+    for (const Candidate& fault : found) {
       const CauseNumbers numbers = numbers_of(fault);
       all.push_back({fault.cause, fault.gain, evidence_of(fault, account_.sees_amplitude()),
                      fault.alternatives, advice_on(fault.cause, account_.sees_amplitude(), numbers),
@@ -47,6 +48,9 @@ public:
     }
     add_if_not_understood(all);
     if (!wanders_) return all;
+    // What is not told as a fault is part of the wander.
+    std::erase_if(taken_, [](const Candidate& taken) { return taken.is_fault; });
+    taken_.insert(taken_.end(), found.begin(), found.end());
     account_ = without(nullptr, healthy_);
     const double gain = account_.gain_of(wandering, 2);
     if (gain > convincing_gain) all.push_back(wander(gain));
@@ -128,9 +132,12 @@ private:
   [[nodiscard]] Bend best_bend() const {
     Bend best;
     if (wanders_ || healthy_.corner > 0.0) return best;
-    // Range of T0/(4 pi epsilon) in real clocks, in periods.
-    constexpr double shortest_periods = 10.0, longest_periods = 2e4;
-    for (double periods = shortest_periods; periods < longest_periods; periods *= 2.5) {
+    // Range of T0/(4 pi epsilon) in real clocks, in periods. A bend that the log does not show
+    // several times over would pass a single drift off as the noise of a healthy clock.
+    constexpr double shortest_periods = 10.0, longest_periods = 2e4, fewest_in_log = 6.0;
+    const double longest = std::min(longest_periods, times_.elapsed_s.back() /
+                                                         input_.nominal_period_s / fewest_in_log);
+    for (double periods = shortest_periods; periods < longest; periods *= 2.5) {
       const NoiseKinds bent = with_bend_at(periods * input_.nominal_period_s);
       const double gain = account_.gain_of(bent, 2);
       if (gain > best.gain) best = {bent, gain};
@@ -178,8 +185,16 @@ private:
   }
 
   [[nodiscard]] Sizes sizes_of(const Candidate& found) const {
-    if (!is_step(found.cause)) return account_.sizes_of(found.courses);
     const double place = found.at_s / blocks_.length_s;
+    if (!is_step(found.cause)) {
+      Courses courses = found.courses;
+      if (found.at_s > 0.0 && found.cause != Cause::magnet) { // a ramp: the date is uncertain, too
+        const auto slope = CourseMaker(blocks_).step(place);
+        courses.rate.push_back(slope);
+        if (!courses.amplitude.empty()) courses.amplitude.push_back(slope);
+      }
+      return account_.sizes_of(courses);
+    }
     return StepSearch(account_, blocks_, place, 1.0)
         .sizes_of(kind_of_cause(found.cause),
                   {.place = place, .time_s = found.time_s, .courses = found.courses});

@@ -3,11 +3,13 @@
 #include "change_kinds.hpp"
 #include "facts.hpp"
 #include "interruptions.hpp"
+#include "reading_changes.hpp"
 #include "slope_jumps.hpp"
 
 #include "base/special_values.hpp"
 #include "fit/timing_noise.hpp"
 #include "goingrate/base/errors.hpp"
+#include "goingrate/causes/diagnosis.hpp"
 #include "goingrate/log/rates.hpp"
 
 #include <Eigen/Dense>
@@ -249,6 +251,63 @@ Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
           *end = change;
         }
   return diary;
+}
+
+bool are_few_readings(const TimingData& data) {
+  return data.reference_period_s > longest_swing_s && data.size() < least_diagnosed_beats;
+}
+
+Diary diary_of_readings(std::span<const Beat> beats, double nominal_period_s,
+                        const TimingData& data) {
+  Diary diary;
+  for (const timing_model::ReadingChange& found : timing_model::changes_among_readings(data)) {
+    if (!found.is_of_rate) continue;
+    Change change;
+    change.cycle = beats.front().cycle + cycle_at(beats, found.at_s);
+    change.at_s = found.at_s;
+    change.rate_change = found.size;
+    change.amplitude_slope_change = change.rate_change_sigma = not_known;
+    change.gain = found.gain;
+    change.significance = std::sqrt(found.gain);
+    diary.changes.push_back(change);
+  }
+  const auto level = without_displacements(beats, data);
+  timing_model::put_rates(level ? *level : beats, nominal_period_s, diary.changes);
+  return diary;
+}
+
+void join_changes_across_gaps(std::span<const Beat> beats, Diary& diary) {
+  // A change may be dated some beats from the edge of a gap.
+  constexpr double most_present = 0.1;      // of the beats between two dates
+  constexpr std::int64_t shortest_gap = 20; // cycles
+  const auto are_one = [&](const Change& a, const Change& b) {
+    const std::int64_t cycles = b.cycle - a.cycle;
+    const auto present = std::count_if(beats.begin(), beats.end(), [&](const Beat& beat) {
+      return beat.cycle > a.cycle && beat.cycle < b.cycle;
+    });
+    return cycles > shortest_gap &&
+           static_cast<double>(present) < most_present * static_cast<double>(cycles);
+  };
+  std::vector<Change> joined;
+  for (const Change& change : diary.changes) {
+    const bool is_same =
+        !joined.empty() && !joined.back().noted && !change.noted && are_one(joined.back(), change);
+    if (!is_same) {
+      joined.push_back(change);
+      continue;
+    }
+    Change both = change.significance > joined.back().significance ? change : joined.back();
+    both.at_s = 0.5 * (joined.back().at_s + change.at_s);
+    both.cycle = (joined.back().cycle + change.cycle) / 2;
+    both.rate_before = joined.back().rate_before;
+    both.rate_before_sigma = joined.back().rate_before_sigma;
+    both.rate_after = change.rate_after;
+    both.rate_after_sigma = change.rate_after_sigma;
+    both.rate_change = both.rate_after - both.rate_before;
+    both.rate_change_sigma = std::hypot(both.rate_after_sigma, both.rate_before_sigma);
+    joined.back() = both;
+  }
+  diary.changes = std::move(joined);
 }
 
 std::optional<std::vector<Beat>> without_displacements(std::span<const Beat> beats,

@@ -54,7 +54,7 @@ std::string daily(double rate) { return fmt::format("{:+.3g} s/day", rate * seco
 CauseNumbers numbers_of(const Candidate& found) {
   CauseNumbers numbers;
   const Sizes& sizes = found.sizes;
-  if (is_step(found.cause) || found.cause == Cause::magnet) numbers.at_s = found.at_s;
+  if (found.at_s > 0.0) numbers.at_s = found.at_s;
   if (found.cause == Cause::magnet) numbers.until_s = found.time_s;
   if (!sizes.rate.empty()) {
     const bool wave = found.cause == Cause::unlogged_weather;
@@ -92,7 +92,8 @@ std::string evidence_of(const Candidate& found, bool sees_amplitude) {
                        when(found), size(sizes), swing(sizes, ""));
   default: {
     const char* steady = sees_amplitude ? "; the amplitude stays the same" : "";
-    return fmt::format("the rate drifts by {} each day{}", size(sizes),
+    return fmt::format("{}the rate drifts by {} each day{}",
+                       found.at_s > 0.0 ? "from " + when(found) + " on " : "", size(sizes),
                        found.courses.amplitude.empty() ? steady : swing(sizes, " each day"));
   }
   }

@@ -16,7 +16,7 @@ struct Candidate {
   Cause cause{};
   Courses courses{};
   std::vector<Cause> alternatives{};
-  double at_s = 0.0;    ///< when it begins, if it is sudden
+  double at_s = 0.0;    ///< when it begins; 0 for what lasts throughout the log
   double time_s = 0.0;  ///< time constant of the relaxation; for a temporary change, its end
   bool is_fault = true; ///< false: the settling of a clock after it was started
   double gain = 0.0;

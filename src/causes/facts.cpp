@@ -2,6 +2,7 @@
 
 #include "account.hpp"
 #include "evidence.hpp"
+#include "reading_changes.hpp"
 
 #include "base/readable.hpp"
 #include "base/scaled_time.hpp"
@@ -180,6 +181,11 @@ void look_at_displacements(const DiagnosisInput& input, const std::vector<Displa
 
 // A clock whose times leap more often does so by its nature, as one that is pushed now and then.
 Undisplaced::Undisplaced(const TimingData& data) : data_(&data) {
+  if (are_few_readings(data)) {
+    level_settings(corrected_.emplace(data));
+    data_ = &*corrected_;
+    return;
+  }
   constexpr std::size_t most_displaced = 8;
   while (const auto next = greatest_displacement(*data_)) {
     if (data_->displaced.size() == most_displaced) {

@@ -38,9 +38,9 @@ template <class Names> std::string one_of(const Names& names) {
 }
 
 /// Reads the lines of one file.
-class Reading {
+class EntryReader {
 public:
-  Reading(std::string_view text, const std::string& source) : text_(text) {
+  EntryReader(std::string_view text, const std::string& source) : text_(text) {
     logbook_.source = source;
   }
 
@@ -218,7 +218,7 @@ std::string_view name_of(LogbookWord word) {
 }
 
 Logbook parse_logbook(std::string_view text, const std::string& source) {
-  return Reading(text, source).run();
+  return EntryReader(text, source).run();
 }
 
 Logbook brought_to(const ClockLog& log, Logbook logbook) {

@@ -292,14 +292,19 @@ std::vector<PartRate> segment_rates(std::span<const Beat> beats, double nominal_
 std::vector<PartRate> rates_between(std::span<const Beat> beats, std::span<const Instant> cuts,
                                     double nominal_period_s) {
   std::vector<PartRate> stretches;
-  for_each_part(
-      beats,
-      [&](const Beat& beat) {
-        return std::upper_bound(cuts.begin(), cuts.end(), beat.time) - cuts.begin();
-      },
-      [&](std::span<const Beat> part) {
-        if (part.size() >= 3) stretches.push_back(part_rate(part, nominal_period_s));
-      });
+  const auto take = [&](std::span<const Beat> part) {
+    if (part.size() >= 3) stretches.push_back(part_rate(part, nominal_period_s));
+  };
+  const auto place = [&](const auto& is_before) {
+    return std::partition_point(beats.begin(), beats.end(), is_before);
+  };
+  auto first = beats.begin();
+  for (const Instant& cut : cuts) {
+    const auto end = place([&](const Beat& beat) { return beat.time <= cut; });
+    if (end > first) take({first, end});
+    first = place([&](const Beat& beat) { return beat.time < cut; });
+  }
+  take({first, beats.end()});
   return stretches;
 }
 

@@ -323,6 +323,8 @@ double level_labels(ClockLog& log, std::span<const double> clock_errors_s, doubl
   if (!is_dated && !std::is_sorted(after_s.begin(), after_s.end())) return label_step_s;
   Labels labels = sorted_labels(events, after_s, clock_errors_s, issues);
   labels.step_s = even_step(labels.after_s, label_step_s);
+  for (std::size_t i = 0; i < events.size(); ++i) // the events bear the times of the clock's beats
+    log.readings.push_back({events[labels.event[i]].time + labels.errors_s[i], labels.errors_s[i]});
   std::vector<double> off;
   for (std::size_t i = 0; i < events.size(); ++i)
     off.push_back(labels.off_s(i));

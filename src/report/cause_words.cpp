@@ -44,14 +44,14 @@ private:
     case Cause::unknown:
       return wander();
     case Cause::growing_friction:
-      return fmt::format("the rate {} by {} each day{}: most likely {}", falls_or_rises(), size(),
-                         swing(" each day"),
+      return fmt::format("{}the rate {} by {} each day{}: most likely {}", since(),
+                         falls_or_rises(), size(), swing(" each day"),
                          numbers_.amplitude_rad > 0.0 ? "friction lessens, or the drive grows"
                                                       : "friction grows, or the drive fades");
     case Cause::length_drift:
-      return fmt::format("the rate {} by {} each day{}: most likely the pendulum's length "
+      return fmt::format("{}the rate {} by {} each day{}: most likely the pendulum's length "
                          "drifts, as it does while a suspension stretches or a rod dries",
-                         falls_or_rises(), size(),
+                         since(), falls_or_rises(), size(),
                          sees_amplitude_ ? " and the swing does not follow" : "");
     case Cause::temperature:
       return fmt::format("the rate follows the temperature: it {} by {} per kelvin",
@@ -136,6 +136,11 @@ private:
     default:
       return suspicion_.evidence;
     }
+  }
+
+  // Of a drift that begins within the log.
+  [[nodiscard]] std::string since() const {
+    return std::isfinite(numbers_.at_s) ? "beginning " + words_.moment(numbers_.at_s) + ", " : "";
   }
 
   [[nodiscard]] std::string_view falls_or_rises() const {

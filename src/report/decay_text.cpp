@@ -53,7 +53,8 @@ std::string time_sentence(const Decay& decay, const DisplayUnit& unit) {
   if (!is_known(decay.time_s)) return {};
   const std::string q =
       is_known(decay.q) ? ", and Q is " + with_sigma(decay.q.value, decay.q.sigma) : "";
-  return fmt::format("At an amplitude of {} the swing dies away by a factor e in {} s{}.",
+  return fmt::format("At an amplitude of {} the decay time, in which the swing would fall by a "
+                     "factor e at the rate it has there, is {} s{}.",
                      angle(decay.amplitude_rad, unit),
                      with_sigma(decay.time_s.value, decay.time_s.sigma), q);
 }

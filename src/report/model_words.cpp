@@ -77,8 +77,8 @@ std::string model_sentence(const Analysis& data, bool sees_amplitude, bool told_
            "of its numbers is given.";
   if (fit.status == FitStatus::contradicts_log)
     return "The model of the pendulum does not explain this log, so none of its numbers is given.";
-  constexpr double least_p = 1e-3; // probability that residuals are white
-  const bool is_rough = fit.quality.whiteness_p < least_p;
+  constexpr double least_p = 1e-3; // probability of such residuals, and of such a χ²
+  const bool is_rough = fit.quality.whiteness_p < least_p || fit.quality.p_value < least_p;
   const std::string needs = wander(data, told_a_change);
   std::string text = "The model of the pendulum explains this log";
   text += is_rough ? " only roughly" : needs.empty() ? " to within its noise" : needs;

@@ -182,7 +182,16 @@ std::string key_figures(const Analysis& data) {
                   "what tick and tock differ by (half of it is also called so): the clock is out "
                   "of beat, or the sensor "
                   "stands off the middle");
+  const bool is_fitted = data.fit.decay && std::isfinite(data.fit.decay->first.rad);
   for (const bool end : {false, true}) {
+    if (is_fitted) { // a mean over beats would lag behind a swing that dies away
+      const TurningAngle& swing = end ? data.fit.decay->last : data.fit.decay->first;
+      cards += card(end ? "Amplitude at the end" : "Amplitude at the start",
+                    words.angle(swing.rad, swing.sigma_rad),
+                    fmt::format("of the fit, at the {} beat; {:.3g}°", end ? "last" : "first",
+                                swing.rad * 360.0 / two_pi));
+      continue;
+    }
     const MeanAmplitude mean = amplitude_at(data.beats, end);
     if (std::isfinite(mean.rad))
       cards +=

@@ -35,6 +35,17 @@ std::string_view why(GapKind kind) {
   return ", because too many beats are missing in between to count them";
 }
 
+// A sentence; empty if its rate is not known.
+std::string rate_of_other_part(const Analysis& data, const Wording& words) {
+  if (!data.rate.nominal_is_known) return {};
+  for (const PartRate& part : segment_rates(data.numbered.beats, data.rate.nominal_period_s))
+    if (part.from_cycle > data.beats.back().cycle || part.to_cycle < data.beats.front().cycle)
+      return fmt::format(" The rate of the other part, {} it, is {}.",
+                         part.start > data.beats.front().time ? "after" : "before",
+                         words.rate(part.rate.rate_excess, part.rate.rate_excess_sigma));
+  return {};
+}
+
 } // namespace
 
 bool stop_is_told(const Analysis& data) {
@@ -54,9 +65,10 @@ std::string which_part(const Analysis& data, const Wording& words) {
       fmt::format("This log is in {} parts that could not be joined{}; the longest, which this "
                   "report is about, is from {}.",
                   all.segments, kind ? why(*kind) : "", from_to);
-  if (!stop_is_told(data)) return text;
-  return text + (all.segments == 2 ? " Analyse the other part as a log of its own."
-                                   : " Analyse the other parts as logs of their own.");
+  if (all.segments > 2)
+    return stop_is_told(data) ? text + " Analyse the other parts as logs of their own." : text;
+  return text + rate_of_other_part(data, words) +
+         (stop_is_told(data) ? " Analyse the other part as a log of its own." : "");
 }
 
 } // namespace goingrate

@@ -122,7 +122,7 @@ void Numbers::add_logbook() {
   }
 }
 
-// The change at which a stretch begins; the stretch begins with the beat before the change.
+// The change at which a stretch begins; the stretch begins with the beat after the change.
 double Numbers::cut_at(double begin_s) const {
   const auto& changes = data_.diary.changes;
   const auto nearest =
@@ -177,6 +177,8 @@ std::string Numbers::name_of_parameter(const FittedParameter& parameter) const {
       is_heard ? "angle from the vertical at which the clock ticks" : meaning_of(name);
   const std::size_t at = name.find('@');
   std::string text(meaning.empty() ? std::string_view(name) : meaning);
+  constexpr double wide_rad = 0.2; // from here on the speed differs from the angle by 0.2 %
+  if (name == "lambda0" && parameter.value > wide_rad) text += ", as the speed 2 sin(angle/2)";
   const std::string base = name.substr(0, at);
   if (has_symbol(base)) text += fmt::format(" {}", symbol_of(base));
   if (at == std::string::npos) return text;

@@ -310,7 +310,9 @@ std::string Sentences::trend_of_few_beats() const {
 std::string Sentences::trend(bool told_a_change) const {
   if (data_.beats.size() < least_diagnosed_beats) return trend_of_few_beats();
   if (!suspicions_.empty() && is_drift(suspicions_.front().cause))
-    return "the rate has moved in one direction throughout this log";
+    return std::isfinite(suspicions_.front().numbers.at_s)
+               ? "the rate was steady at first, and has moved in one direction since"
+               : "the rate has moved in one direction throughout this log";
   if (has(is_drift)) return "besides, the rate has drifted through this log";
   if (has([](Cause cause) { return cause == Cause::slow_drive || cause == Cause::unknown; }))
     return "the rate is not steady, but shows no trend through the log";
@@ -458,7 +460,10 @@ void Sentences::say_how_it_comes_to_rest() {
     say(fmt::format("Its small swings would take {} s; wide ones take longer, which is why the "
                     "period changes as it comes to rest.",
                     with_sigma(period->value, period->sigma, 10)));
-  if (!suspicions_.empty()) say(explanation(suspicions_.front(), words_, sees_amplitude_));
+  // That it comes to rest is told; without a drive no clock gets worse.
+  const auto other = std::find_if_not(suspicions_.begin(), suspicions_.end(),
+                                      [](const Suspicion& s) { return is_drift(s.cause); });
+  if (other != suspicions_.end()) say(explanation(*other, words_, sees_amplitude_));
 }
 
 } // namespace

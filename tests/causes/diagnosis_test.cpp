@@ -168,6 +168,30 @@ TEST(DiagnosisTest, AChangeBelowTheJitterIsInTheDiary) {
   }
 }
 
+// Steady for half of the log, then slower and slower: when it began, and how fast it goes on.
+TEST(DiagnosisTest, ADriftThatBeginsWithinTheLogIsDated) {
+  for (const std::uint64_t seed : {51U, 52U, 53U}) {
+    RandomStream random(seed, StreamPurpose::jitter);
+    constexpr int beats = 20000, onset = 11000;
+    constexpr double period_s = 2.0, slope = -2e-4 / beats; // of the rate, per beat
+    std::string text;
+    double late_s = 0.0;
+    for (int i = 0; i < beats; ++i) {
+      text += fmt::format("{:.6f}\n", period_s * i + late_s + 1e-4 * random.normal());
+      late_s += period_s * (5e-5 - slope * std::max(0, i - onset)) + 3e-5 * random.normal();
+    }
+    LoadRequest request;
+    request.path = "fading.txt";
+    request.reading.nominal_period_s = period_s;
+    const Analysis analysis = analyse(load_text(text, request), {});
+    ASSERT_FALSE(analysis.suspicions.empty()) << seed;
+    const Suspicion& first = analysis.suspicions.front();
+    EXPECT_EQ(first.cause, Cause::growing_friction) << seed;
+    EXPECT_NEAR(first.numbers.at_s, period_s * onset, 0.05 * period_s * beats) << seed;
+    EXPECT_NEAR(first.numbers.size, slope * 86400.0 / period_s, 4.0 * first.numbers.sigma) << seed;
+  }
+}
+
 // A rod that is warm before its compensation: two days, a drive that is white.
 TEST(DiagnosisTest, ACompensationThatLagsIsTemperature) {
   Scenario scenario;

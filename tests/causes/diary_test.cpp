@@ -171,6 +171,27 @@ TEST(DiaryTest, ADisplacementIsNoRate) {
   EXPECT_TRUE(again.displaced.empty());
 }
 
+// While a sensor saw nothing the rate changed: both edges of the gap show it.
+TEST(DiaryTest, AChangeWithinAGapIsOne) {
+  std::vector<Beat> beats = test::simulated_beats(test::at_point_a(3000), 1);
+  std::erase_if(beats, [](const Beat& beat) { return beat.cycle > 1000 && beat.cycle < 1600; });
+  Diary diary;
+  for (const std::int64_t cycle : {400, 998, 1601, 2500}) {
+    Change change;
+    change.cycle = cycle;
+    change.at_s = 2.0 * static_cast<double>(cycle);
+    change.significance = 20.0;
+    change.rate_before = 1e-6 * static_cast<double>(cycle);
+    change.rate_after = 2e-6 * static_cast<double>(cycle);
+    diary.changes.push_back(change);
+  }
+  join_changes_across_gaps(beats, diary);
+  ASSERT_EQ(diary.changes.size(), 3U);
+  EXPECT_EQ(diary.changes[1].cycle, 1299);
+  EXPECT_EQ(diary.changes[1].rate_before, 998e-6);
+  EXPECT_EQ(diary.changes[1].rate_after, 3202e-6);
+}
+
 TEST(DiaryTest, AShortLogHasNoDiary) {
   EXPECT_TRUE(keep_diary(test::simulated_beats(test::at_point_a(50), 1), 2.0).changes.empty());
 }

@@ -127,6 +127,21 @@ TEST(SummaryTest, AStopBetweenTwoPartsIsToldOnce) {
   EXPECT_EQ(text.find("anything is wrong"), std::string::npos) << text;
 }
 
+TEST(SummaryTest, TheRateOfTheOtherPartIsTold) {
+  Analysis data = quiet_report();
+  data.numbered.segments = 2;
+  data.numbered.beats = data.beats;
+  for (int i = 0; i < 100; ++i) {
+    Beat beat;
+    beat.time = data.beats.back().time + (7200.0 + 3.0003 * i);
+    beat.cycle = data.beats.back().cycle + 2400 + i;
+    beat.segment = 1;
+    data.numbered.beats.push_back(beat);
+  }
+  const std::string text = all_of(report_sentences(data));
+  EXPECT_NE(text.find("The rate of the other part, after it, is -8.6"), std::string::npos) << text;
+}
+
 TEST(SummaryTest, TwoChangesHaveTheirMoments) {
   Analysis data = with_one_change(ChangeKind::drive);
   for (Beat& beat : data.beats)

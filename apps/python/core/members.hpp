@@ -30,7 +30,8 @@ GOINGRATE_MEMBERS(JoinedWeather, quantity, source, readings, step_s, sigma, even
 GOINGRATE_MEMBERS(MeanBeat, begin_s, step_s, rise_s, power)
 GOINGRATE_MEMBERS(SoundFindings, rate_hz, duration_s, drowned, has_tocks, has_pps, tick, tock)
 GOINGRATE_MEMBERS(Site, latitude_deg, longitude_deg)
-GOINGRATE_MEMBERS(ClockLog, source, files, format, events, grid, columns, origin, site, zone_s, weather,
+GOINGRATE_MEMBERS(Reading, time, error_s)
+GOINGRATE_MEMBERS(ClockLog, source, files, format, events, grid, readings, columns, origin, site, zone_s, weather,
                   sound, time_base_sigma, has_amplitude, directions_are_open, nominal_period_s, flag_width_rad, gravity_share, assumptions, issues)
 GOINGRATE_MEMBERS(Gap, after_cycle, length, probability, bridged, kind)
 GOINGRATE_MEMBERS(Beats, beats, gaps, typical_period_s, scatter_s, step, missed, spurious, rivals,
@@ -49,8 +50,9 @@ GOINGRATE_MEMBERS(ImpulseCycle, periods, is_regular, gain, first, cycles, amplit
                   kick, middle, amplitude_middle, epsilon)
 GOINGRATE_MEMBERS(Displacement, beat, late_s, gain)
 GOINGRATE_MEMBERS(Wheel, turn_s, late_s, amplitude_rad, gain)
+GOINGRATE_MEMBERS(UnevenReadings, elapsed_s, late_s)
 GOINGRATE_MEMBERS(TimingData, reference_period_s, cycle, elapsed_s, lateness_s, amplitude_rad,
-                  terms, time_noise, amplitude_noise, no_swings, impulses, displaced,
+                  terms, time_noise, amplitude_noise, as_read, no_swings, impulses, displaced,
                   wheels, wheel_late_s, wheel_amplitude_rad, time_base_sigma)
 GOINGRATE_MEMBERS(PlannedRatio, ratio, sigma)
 GOINGRATE_MEMBERS(FitEvent, cycle, names, movable, planned, at_crossing)

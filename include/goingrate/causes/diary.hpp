@@ -105,6 +105,20 @@ struct DiaryOptions {
 Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
                  const DiaryOptions& options = {});
 
+/// The same for few readings (are_few_readings()) of a clock: steps of the rate, by their likelihood
+/// (src/causes/reading_changes.hpp; ReadingChangesTest). `data` are those of the beats, without
+/// displacements.
+Diary diary_of_readings(std::span<const Beat> beats, double nominal_period_s,
+                        const TimingData& data);
+
+/// Whether these are readings of a clock, and too few to be examined as beats are
+/// (least_diagnosed_beats).
+bool are_few_readings(const TimingData& data);
+
+/// Two changes at the ends of a gap happened while no beats were logged, and become one change, dated
+/// to its middle. (DiaryTest.AChangeWithinAGapIsOne)
+void join_changes_across_gaps(std::span<const Beat> beats, Diary& diary);
+
 /// The beats with the displacements of `data` removed, since these are not changes of the rate;
 /// nullopt if there are none. (DiaryTest.ADisplacementIsNoRate)
 std::optional<std::vector<Beat>> without_displacements(std::span<const Beat> beats,

@@ -41,6 +41,12 @@ struct Wheel {
   double gain = 0.0;          ///< of 2 log L, about
 };
 
+/// Readings of a clock at uneven times.
+struct UnevenReadings {
+  std::vector<double> elapsed_s; ///< since the first beat
+  std::vector<double> late_s;    ///< by how much the clock is late, from any origin
+};
+
 /// Times and amplitudes of a run of good beats; all vectors have one entry per beat.
 struct TimingData {
   double reference_period_s = 0.0;   ///< the mean period: makes the lateness small
@@ -52,6 +58,7 @@ struct TimingData {
   /// Standard deviations of times and of amplitudes, one per beat, divided by the rms of all; empty
   /// if all are equal. A fit with noise of the drive treats those of the times as equal.
   std::vector<double> time_noise{}, amplitude_noise{};
+  UnevenReadings as_read{}; ///< where the beats stand in for these, at even times; else empty
   std::string no_swings{}; ///< why these are not a pendulum's swings; empty if they are
   /// Pushes of an escapement that rests; their saw-tooth was subtracted from times and amplitudes.
   std::optional<ImpulseCycle> impulses{};

@@ -139,9 +139,9 @@ struct LogFile {
 
 /// The moment from which the times of a log count.
 enum class TimeOrigin : std::uint8_t {
-  none, ///< unknown, or the start of the log
+  none,  ///< unknown, or the start of the log
   epoch, ///< 1970-01-01 UTC: dates, and counters of that kind
-  mjd,  ///< 1858-11-17
+  mjd,   ///< 1858-11-17
 };
 
 /// Time from the beginning of the count to 1970, s; 0 for `none`.
@@ -154,8 +154,8 @@ struct JoinedWeather {
   std::string quantity; ///< temperature, pressure, humidity
   std::string source;   ///< the file, or words for several
   std::size_t readings = 0;
-  double step_s = 0.0;               ///< the usual time between two readings
-  double sigma = 0.0;                ///< of an interpolated value, °C, mbar or %
+  double step_s = 0.0;            ///< the usual time between two readings
+  double sigma = 0.0;             ///< of an interpolated value, °C, mbar or %
   std::size_t events_without = 0; ///< events without a value: in gaps, or outside the readings
 };
 
@@ -169,6 +169,12 @@ struct SoundFindings {
   MeanBeat tick, tock;
 };
 
+/// A comparison of the clock with the true time.
+struct Reading {
+  Instant time;         ///< the true time
+  double error_s = 0.0; ///< of the clock, positive if it is fast
+};
+
 /// A log: events in order of time, or blocks of them where the time goes back.
 struct ClockLog {
   std::string source;         ///< file name as given, or words for several
@@ -176,10 +182,13 @@ struct ClockLog {
   LogFormat format = LogFormat::timestamps;
   std::vector<Beat> events; ///< of data on a grid, one for each value, with its cycle
   std::optional<GridData> grid;
+  /// Readings at uneven times, in order of time, for which the events, at even times on the
+  /// straight lines between them, stand in; else empty.
+  std::vector<Reading> readings;
   EventColumns columns;
   TimeOrigin origin = TimeOrigin::none;
-  std::optional<Site> site;     ///< location of the clock, if known
-  std::optional<double> zone_s; ///< of the dates, east of Greenwich: the first one named
+  std::optional<Site> site;           ///< location of the clock, if known
+  std::optional<double> zone_s;       ///< of the dates, east of Greenwich: the first one named
   std::vector<JoinedWeather> weather; ///< for those of `columns` that were interpolated
   std::optional<SoundFindings> sound; ///< if it is a recording
   /// Standard deviation of the rate of the reference clock, if known. The rate of a log of any

@@ -77,8 +77,8 @@ std::vector<PartRate> block_rates(std::span<const Beat> beats, double nominal_pe
 /// The same for whole segments.
 std::vector<PartRate> segment_rates(std::span<const Beat> beats, double nominal_period_s);
 
-/// The same for the stretches between `cuts`, times in order. The period in which a cut falls
-/// belongs to the later stretch.
+/// The same for the stretches of good beats between `cuts`, times in order. A beat at a cut ends one
+/// stretch and begins the next; an interval in which a cut falls belongs to neither.
 std::vector<PartRate> rates_between(std::span<const Beat> beats, std::span<const Instant> cuts,
                                     double nominal_period_s);
 

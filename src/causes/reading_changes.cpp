@@ -1,0 +1,310 @@
+#include "reading_changes.hpp"
+
+#include "account.hpp"
+
+#include "fit/displacements.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace goingrate::timing_model {
+
+namespace {
+
+using Eigen::Index, Eigen::MatrixXd, Eigen::VectorXd;
+
+// u and v of the header, as decades; `none` for 0.
+struct Noise {
+  static constexpr int none = -2, most = 9;
+  int walk = none, wander = none;
+};
+
+// What may have happened, `after` a reading in units of the log's length.
+struct Event {
+  enum class Kind { rate, setting, misreading } kind{};
+  Index reading = 0;
+  double after = 0.0;
+};
+
+class Readings {
+public:
+  Readings(std::span<const double> time_s, std::span<const double> error_s)
+      : error_(VectorXd::Map(error_s.data(), static_cast<Index>(error_s.size()))) {
+    const Index n = error_.size();
+    time_.resize(n);
+    for (Index i = 0; i < n; ++i)
+      time_[i] =
+          (time_s[static_cast<std::size_t>(i)] - time_s.front()) / (time_s.back() - time_s.front());
+    walk_.resize(n, n);
+    wander_.resize(n, n);
+    for (Index i = 0; i < n; ++i)
+      for (Index j = 0; j < n; ++j) {
+        const double early = std::min(time_[i], time_[j]), late = std::max(time_[i], time_[j]);
+        walk_(i, j) = early;
+        wander_(i, j) = early * early * (3.0 * late - early) / 6.0;
+      }
+  }
+
+  [[nodiscard]] Index size() const { return error_.size(); }
+  [[nodiscard]] const VectorXd& time() const { return time_; }
+  [[nodiscard]] const VectorXd& error() const { return error_; }
+
+  [[nodiscard]] Eigen::LLT<MatrixXd> covariance(const Noise& noise) const {
+    MatrixXd sum = MatrixXd::Identity(size(), size());
+    if (noise.walk > Noise::none) sum += std::pow(10.0, noise.walk) * walk_;
+    if (noise.wander > Noise::none) sum += std::pow(10.0, noise.wander) * wander_;
+    return sum.llt();
+  }
+
+  [[nodiscard]] VectorXd course(const Event& event) const {
+    const auto since = time_.array() - time_[event.reading] - event.after;
+    switch (event.kind) {
+    case Event::Kind::rate:
+      return since.max(0.0);
+    case Event::Kind::setting:
+      return (since >= 0.0).cast<double>();
+    case Event::Kind::misreading:
+      return VectorXd::Unit(size(), event.reading);
+    }
+    return {};
+  }
+
+  // The columns 1, t, and one for each event.
+  [[nodiscard]] MatrixXd design(const std::vector<Event>& events) const {
+    MatrixXd columns(size(), 2 + static_cast<Index>(events.size()));
+    columns.col(0).setOnes();
+    columns.col(1) = time_;
+    for (std::size_t j = 0; j < events.size(); ++j)
+      columns.col(2 + static_cast<Index>(j)) = course(events[j]);
+    return columns;
+  }
+
+private:
+  VectorXd time_, error_;
+  MatrixXd walk_, wander_;
+};
+
+// Events with the noise that goes with them.
+struct Explained {
+  std::vector<Event> events;
+  Noise noise;
+  double deviance = std::numeric_limits<double>::infinity(); // -2 log L
+};
+
+// -2 log L at its greatest over a, b, c_j and s.
+double deviance_of(const Readings& readings, const MatrixXd& design, const Noise& noise) {
+  const auto factor = readings.covariance(noise);
+  const MatrixXd x = factor.matrixL().solve(design);
+  const VectorXd y = factor.matrixL().solve(readings.error());
+  const double misfit2 = (y - x * x.householderQr().solve(y)).squaredNorm();
+  const auto n = static_cast<double>(readings.size());
+  const double log_determinant = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
+  return n * std::log(misfit2 / n) + log_determinant;
+}
+
+// Tries noise from `low` to `high`, in steps of `stride` decades.
+void try_noise(const Readings& readings, const Noise& low, const Noise& high, int stride,
+               Explained& best) {
+  const MatrixXd design = readings.design(best.events);
+  Noise noise;
+  for (noise.walk = low.walk; noise.walk <= high.walk; noise.walk += stride)
+    for (noise.wander = low.wander; noise.wander <= high.wander; noise.wander += stride) {
+      const double deviance = deviance_of(readings, design, noise);
+      if (deviance >= best.deviance) continue;
+      best.deviance = deviance;
+      best.noise = noise;
+    }
+}
+
+// The events, with the noise near `about` that goes best with them.
+Explained explained_near(const Readings& readings, std::vector<Event> events, const Noise& about) {
+  Explained best{std::move(events), about};
+  const auto less = [](int decade) { return std::max(Noise::none, decade - 1); };
+  const auto more = [](int decade) { return std::min(Noise::most, decade + 1); };
+  try_noise(readings, {less(about.walk), less(about.wander)},
+            {more(about.walk), more(about.wander)}, 1, best);
+  return best;
+}
+
+Explained explained(const Readings& readings, std::vector<Event> events) {
+  constexpr int stride = 2; // decades
+  Explained best{std::move(events), {}};
+  try_noise(readings, {}, {Noise::most, Noise::most}, stride, best);
+  return explained_near(readings, std::move(best.events), best.noise);
+}
+
+// The events in noise without a wander of the rate.
+Explained steady(const Readings& readings, std::vector<Event> events) {
+  Explained best{std::move(events), {}};
+  try_noise(readings, {}, {Noise::most, Noise::none}, 1, best);
+  return best;
+}
+
+// Where the rate may step: at readings and midway between them, with three readings or more on
+// either side that belong to no other step.
+void add_steps_of_rate(const Readings& readings, const std::vector<Event>& known,
+                       std::vector<Event>& all) {
+  constexpr Index fewest = 3;
+  std::vector<double> edges{readings.time()[0], readings.time()[readings.size() - 1]};
+  for (const Event& event : known)
+    if (event.kind == Event::Kind::rate)
+      edges.push_back(readings.time()[event.reading] + event.after);
+  std::sort(edges.begin(), edges.end());
+  const auto count = [&](double low, double high) {
+    return ((readings.time().array() >= low) && (readings.time().array() <= high)).count();
+  };
+  for (Index i = 0; i + 1 < readings.size(); ++i)
+    for (const double share : {0.0, 0.5}) {
+      const Event event{Event::Kind::rate, i,
+                        share * (readings.time()[i + 1] - readings.time()[i])};
+      const double place = readings.time()[i] + event.after;
+      const auto after = std::upper_bound(edges.begin(), edges.end(), place);
+      if (after == edges.begin() || after == edges.end()) continue;
+      if (count(*(after - 1), place) >= fewest && count(place, *after) >= fewest)
+        all.push_back(event);
+    }
+}
+
+std::vector<Event> possible_events(const Readings& readings, const std::vector<Event>& known) {
+  std::vector<Event> all;
+  add_steps_of_rate(readings, known, all);
+  constexpr Index fewest = 2; // readings on either side: a last one may as well be wrong
+  for (Index i = fewest; i + fewest <= readings.size(); ++i)
+    all.push_back({Event::Kind::setting, i});
+  for (Index i = 0; i < readings.size(); ++i)
+    all.push_back({Event::Kind::misreading, i});
+  return all;
+}
+
+std::vector<Event> with(std::vector<Event> events, const Event& more) {
+  events.push_back(more);
+  return events;
+}
+
+// The event that explains most in the noise given.
+Event best_event(const Readings& readings, const std::vector<Event>& known, const Noise& noise,
+                 const std::vector<Event>& possible) {
+  const auto factor = readings.covariance(noise);
+  const MatrixXd x = factor.matrixL().solve(readings.design(known));
+  const Eigen::HouseholderQR<MatrixXd> design(x);
+  const auto unexplained = [&](const VectorXd& v) -> VectorXd { return v - x * design.solve(v); };
+  const VectorXd rest = unexplained(factor.matrixL().solve(readings.error()));
+  Event best = possible.front();
+  double most = -1.0;
+  for (const Event& event : possible) {
+    const VectorXd white = factor.matrixL().solve(readings.course(event));
+    const VectorXd course = unexplained(white);
+    constexpr double least_new = 1e-6; // of a course: less is what the known ones explain
+    if (!(course.squaredNorm() > least_new * white.squaredNorm())) continue;
+    const double gain = std::pow(course.dot(rest), 2) / course.squaredNorm();
+    if (gain <= most) continue;
+    most = gain;
+    best = event;
+  }
+  return best;
+}
+
+// One more event: placed in the noise that was found without it, then in that found with it; and
+// placed in errors of reading alone, since a wander hides the place of what it is taken for.
+Explained with_one_more(const Readings& readings, const Explained& before) {
+  const std::vector<Event> possible = possible_events(readings, before.events);
+  Explained best;
+  for (const Noise& noise : {before.noise, Noise{}}) {
+    const auto placed_in = [&](const Noise& known) {
+      return with(before.events, best_event(readings, before.events, known, possible));
+    };
+    const Explained first = explained(readings, placed_in(noise));
+    const Explained second = explained_near(readings, placed_in(first.noise), first.noise);
+    for (const Explained& found : {first, second})
+      if (found.deviance < best.deviance) best = found;
+  }
+  return best;
+}
+
+// 2 log L that one event more gains, less its price. The factor keeps the ratio of likelihoods of
+// few readings distributed as that of many (Bartlett).
+double gain_of(const Explained& with, const Explained& without, Index readings) {
+  const auto n = static_cast<double>(readings);
+  const double numbers = 3.0 + static_cast<double>(with.events.size());
+  return (without.deviance - with.deviance) * (1.0 - numbers / n) - 3.0 * std::log(n);
+}
+
+// Event by event, as long as each gains enough.
+Explained everything(const Readings& readings) {
+  constexpr std::size_t most_events = 8;
+  Explained all = explained(readings, {});
+  while (all.events.size() < most_events) {
+    Explained more = with_one_more(readings, all);
+    // Each further fault is less likely by the same factor. The first needs twice a convincing
+    // gain: of rates that only wander, one in 25 looks like a step by one of them. A wander that
+    // remains beside it imitates steps, whose gain is small compared with its own.
+    constexpr double least_share = 0.5;
+    const double wander = steady(readings, more.events).deviance - more.deviance;
+    const double least = std::max(convincing_gain * static_cast<double>(1 + more.events.size()),
+                                  least_share * wander);
+    if (!(gain_of(more, all, readings.size()) > least)) break;
+    all = std::move(more);
+  }
+  return all;
+}
+
+// The sizes of the events: least squares in their noise.
+VectorXd sizes_of(const Readings& readings, const Explained& all) {
+  const auto factor = readings.covariance(all.noise);
+  const MatrixXd x = factor.matrixL().solve(readings.design(all.events));
+  const VectorXd y = factor.matrixL().solve(readings.error());
+  return x.householderQr().solve(y).tail(static_cast<Index>(all.events.size()));
+}
+
+} // namespace
+
+std::vector<ReadingChange> changes_among_readings(std::span<const double> time_s,
+                                                  std::span<const double> late_s) {
+  constexpr std::size_t fewest_readings = 8;
+  if (time_s.size() < fewest_readings) return {};
+  const Readings readings(time_s, late_s);
+  const Explained all = everything(readings);
+  const VectorXd sizes = sizes_of(readings, all);
+  const double length_s = time_s.back() - time_s.front();
+  std::vector<ReadingChange> found;
+  for (std::size_t j = 0; j < all.events.size(); ++j) {
+    const Event& event = all.events[j];
+    if (event.kind == Event::Kind::misreading) continue;
+    std::vector<Event> others = all.events;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(j));
+    const double gain = gain_of(all, explained(readings, others), readings.size());
+    const bool is_of_rate = event.kind == Event::Kind::rate;
+    const double size = sizes[static_cast<Index>(j)];
+    if (gain > convincing_gain)
+      found.push_back({(readings.time()[event.reading] + event.after) * length_s,
+                       is_of_rate ? -size / length_s : size, gain, is_of_rate});
+  }
+  std::sort(found.begin(), found.end(),
+            [](const ReadingChange& a, const ReadingChange& b) { return a.at_s < b.at_s; });
+  return found;
+}
+
+std::vector<ReadingChange> changes_among_readings(const TimingData& data) {
+  const UnevenReadings& read = data.as_read;
+  return read.elapsed_s.empty() ? changes_among_readings(data.elapsed_s, data.lateness_s)
+                                : changes_among_readings(read.elapsed_s, read.late_s);
+}
+
+void level_settings(TimingData& data) {
+  constexpr double rounding_s = 1e-3;
+  for (const ReadingChange& change : changes_among_readings(data)) {
+    if (change.is_of_rate) continue;
+    const auto first_since = [&](const std::vector<double>& elapsed_s) {
+      return static_cast<std::size_t>(
+          std::lower_bound(elapsed_s.begin(), elapsed_s.end(), change.at_s - rounding_s) -
+          elapsed_s.begin());
+    };
+    take_off({first_since(data.elapsed_s), change.size, change.gain}, data);
+    for (std::size_t i = first_since(data.as_read.elapsed_s); i < data.as_read.late_s.size(); ++i)
+      data.as_read.late_s[i] -= change.size;
+  }
+}
+
+} // namespace goingrate::timing_model

@@ -1,0 +1,89 @@
+#include "causes/reading_changes.hpp"
+
+#include "goingrate/base/random.hpp"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+namespace goingrate::timing_model {
+namespace {
+
+constexpr double day_s = 86400.0;
+
+// A clock that is read once a day, at an hour that varies.
+struct ReadClock {
+  int days = 28;
+  double reading_s = 0.3, walk_s = 0.1; // errors of reading; random walk of the clock in a day
+  double wander_s = 0.0;                // random walk of the rate in a day, s/day
+  int turned_on = 0;
+  double turned_by = 0.0; // s/day
+  int set_on = 0;
+  double set_by_s = 0.0;
+};
+
+std::vector<ReadingChange> changes_of(const ReadClock& clock, std::uint64_t seed) {
+  RandomStream random(seed, StreamPurpose::jitter);
+  std::vector<double> time_s, late_s;
+  double late = 3.0, rate = -6.0;
+  for (int day = 0; day < clock.days; ++day) {
+    time_s.push_back(day_s * day);
+    late_s.push_back(late + clock.reading_s * random.normal() +
+                     (clock.set_on > 0 && day >= clock.set_on ? clock.set_by_s : 0.0));
+    rate += clock.wander_s * random.normal();
+    late += rate + clock.walk_s * random.normal();
+    if (clock.turned_on > 0 && day >= clock.turned_on) late -= clock.turned_by;
+  }
+  return changes_among_readings(time_s, late_s);
+}
+
+TEST(ReadingChangesTest, FindsATurnOfTheNut) {
+  for (const int days : {12, 28, 90})
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      ReadClock clock{.days = days};
+      clock.turned_on = days / 2;
+      clock.turned_by = -7.5;
+      const auto found = changes_of(clock, seed);
+      ASSERT_EQ(found.size(), 1U) << days << ' ' << seed;
+      EXPECT_TRUE(found[0].is_of_rate);
+      EXPECT_NEAR(found[0].at_s / day_s, clock.turned_on, 0.51); // midway between two readings
+      // The readings of six days and the walk of twelve leave some 0.15 s/day; four of these.
+      EXPECT_NEAR(found[0].size * day_s, -7.5, 0.6) << days << ' ' << seed;
+    }
+}
+
+TEST(ReadingChangesTest, FindsHandsThatWereSet) {
+  for (const int days_after : {2, 10}) // even two days before the end
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      ReadClock clock;
+      clock.set_on = clock.days - days_after;
+      clock.set_by_s = 120.0;
+      const auto found = changes_of(clock, seed);
+      ASSERT_EQ(found.size(), 1U) << days_after << ' ' << seed;
+      EXPECT_FALSE(found[0].is_of_rate);
+      EXPECT_EQ(found[0].at_s, day_s * clock.set_on);
+      EXPECT_NEAR(found[0].size, 120.0, 1.6); // four times the errors of two readings
+    }
+}
+
+TEST(ReadingChangesTest, QuietReadingsStayQuiet) {
+  int found = 0;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed)
+    for (const double wander_s : {0.0, 0.05, 0.1}) // 0.1 s/day a day: 0.6 s/day in a month
+      for (const int days : {10, 30, 60})
+        found += static_cast<int>(changes_of({.days = days, .wander_s = wander_s}, seed).size());
+  EXPECT_LE(found, 4); // of 900 logs: 0.3 %, and twice its scatter
+}
+
+TEST(ReadingChangesTest, AWrongReadingIsNoChange) {
+  std::vector<double> time_s, late_s;
+  RandomStream random(5, StreamPurpose::jitter);
+  for (int day = 0; day < 30; ++day) {
+    time_s.push_back(day_s * day);
+    late_s.push_back(2.0 * day + 0.3 * random.normal());
+  }
+  late_s[12] += 60.0; // misread by a minute
+  EXPECT_TRUE(changes_among_readings(time_s, late_s).empty());
+}
+
+} // namespace
+} // namespace goingrate::timing_model
