@@ -28,12 +28,22 @@ bool is_known_better(Cause cause, double sigma, std::span<const Suspicion> named
   });
 }
 
+// Where the log leaves the noise of the drive open, the fit is one of a family whose members wander
+// by different amounts: the sigma of what hides in that wander is that of one member.
+bool knows_the_noise(const FitSummary& fit) {
+  constexpr std::array noises{"jitter_rms", "walk_rms", "drive_rms", "slow_rms", "slow_time"};
+  return std::none_of(noises.begin(), noises.end(), [&](const char* name) {
+    const FittedParameter* noise = fit.find(name);
+    return noise != nullptr && noise->status == ParameterStatus::undetermined;
+  });
+}
+
 } // namespace
 
 std::vector<Suspicion> weather_seen_by_fit(const FitSummary& fit,
                                            std::span<const Suspicion> named) {
   std::vector<Suspicion> seen;
-  if (fit.status != FitStatus::converged) return seen;
+  if (fit.status != FitStatus::converged || !knows_the_noise(fit)) return seen;
   for (const Kind& kind : kinds) {
     const FittedParameter* found = fit.find(kind.term);
     if (found == nullptr || found->status != ParameterStatus::free ||

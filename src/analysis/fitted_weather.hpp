@@ -11,7 +11,8 @@ namespace goingrate {
 
 /// Temperature and pressure as causes, with the fit's coefficients: each whose gain in likelihood
 /// is as large as diagnose() demands of a cause, unless `named` holds it with a smaller sigma. In
-/// the rate they may be hidden by a varying drive or a step, which the fit accounts for.
+/// the rate they may be hidden by a varying drive or a step, which the fit accounts for. None if
+/// the fit leaves the size of the noise open.
 std::vector<Suspicion> weather_seen_by_fit(const FitSummary& fit, std::span<const Suspicion> named);
 
 /// Removes the effects of these suspicions from the times.
