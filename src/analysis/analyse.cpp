@@ -4,6 +4,7 @@
 #include "rounding.hpp"
 
 #include "base/scaled_time.hpp"
+#include "causes/facts.hpp"
 #include "fit/fit_setup.hpp"
 
 #include <algorithm>
@@ -455,7 +456,12 @@ DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loade
 // The causes of what is not explained; the times are not needed after that.
 static std::vector<Suspicion> suspicions_of(TimingData times, const NumberedLog& loaded,
                                             const Analysis& data) {
-  if (rounding_explains(times)) return {};
+  if (rounding_explains(times)) { // but for what was taken off before
+    std::vector<Suspicion> taken_off;
+    const DiagnosisInput input = diagnosis_input(times, loaded, data.diary, data.drive, data.fit);
+    timing_model::look_at_displacements(input, times.displaced, taken_off);
+    return taken_off;
+  }
   TimingData unexplained = unexplained_times(std::move(times), data);
   DiagnosisInput causes = diagnosis_input(unexplained, loaded, data.diary, data.drive, data.fit);
   if (follows_changes(data) && data.diary.interruptions.empty())

@@ -254,7 +254,8 @@ Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
 }
 
 bool are_few_readings(const TimingData& data) {
-  return data.reference_period_s > longest_swing_s && data.size() < least_diagnosed_beats;
+  return data.reference_period_s > longest_swing_s &&
+         std::max(data.size(), data.as_read.elapsed_s.size()) < least_diagnosed_beats;
 }
 
 Diary diary_of_readings(std::span<const Beat> beats, double nominal_period_s,
@@ -306,6 +307,9 @@ void join_changes_across_gaps(std::span<const Beat> beats, Diary& diary) {
     both.rate_change = both.rate_after - both.rate_before;
     both.rate_change_sigma = std::hypot(both.rate_after_sigma, both.rate_before_sigma);
     joined.back() = both;
+    // Opposite steps at the two ends: the clock goes on as before.
+    constexpr double least_sigmas = 3.0;
+    if (std::abs(both.rate_change) < least_sigmas * both.rate_change_sigma) joined.pop_back();
   }
   diary.changes = std::move(joined);
 }

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace goingrate::timing_model {
 
@@ -50,6 +51,14 @@ public:
   [[nodiscard]] Index size() const { return error_.size(); }
   [[nodiscard]] const VectorXd& time() const { return time_; }
   [[nodiscard]] const VectorXd& error() const { return error_; }
+  [[nodiscard]] double usual_interval() const {
+    std::vector<double> intervals;
+    for (Index i = 1; i < size(); ++i)
+      intervals.push_back(time_[i] - time_[i - 1]);
+    const auto middle = intervals.begin() + std::ssize(intervals) / 2;
+    std::nth_element(intervals.begin(), middle, intervals.end());
+    return *middle > 0.0 ? *middle : 1.0 / static_cast<double>(size());
+  }
 
   [[nodiscard]] Eigen::LLT<MatrixXd> covariance(const Noise& noise) const {
     MatrixXd sum = MatrixXd::Identity(size(), size());
@@ -98,8 +107,10 @@ double deviance_of(const Readings& readings, const MatrixXd& design, const Noise
   const auto factor = readings.covariance(noise);
   const MatrixXd x = factor.matrixL().solve(design);
   const VectorXd y = factor.matrixL().solve(readings.error());
-  const double misfit2 = (y - x * x.householderQr().solve(y)).squaredNorm();
   const auto n = static_cast<double>(readings.size());
+  constexpr double rounding = 1e-13; // of the largest error: exact readings gain nothing from it
+  const double least2 = n * std::pow(rounding * (1.0 + readings.error().cwiseAbs().maxCoeff()), 2);
+  const double misfit2 = std::max(least2, (y - x * x.householderQr().solve(y)).squaredNorm());
   const double log_determinant = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
   return n * std::log(misfit2 / n) + log_determinant;
 }
@@ -142,11 +153,11 @@ Explained steady(const Readings& readings, std::vector<Event> events) {
   return best;
 }
 
-// Where the rate may step: at readings and midway between them, with three readings or more on
-// either side that belong to no other step.
+// Where the rate may step: at every half of a usual interval from one reading to the next, with
+// six readings or more on either side that belong to no other step.
 void add_steps_of_rate(const Readings& readings, const std::vector<Event>& known,
                        std::vector<Event>& all) {
-  constexpr Index fewest = 3;
+  constexpr Index fewest = 6; // so that the rates before and after have an uncertainty
   std::vector<double> edges{readings.time()[0], readings.time()[readings.size() - 1]};
   for (const Event& event : known)
     if (event.kind == Event::Kind::rate)
@@ -155,16 +166,20 @@ void add_steps_of_rate(const Readings& readings, const std::vector<Event>& known
   const auto count = [&](double low, double high) {
     return ((readings.time().array() >= low) && (readings.time().array() <= high)).count();
   };
-  for (Index i = 0; i + 1 < readings.size(); ++i)
-    for (const double share : {0.0, 0.5}) {
-      const Event event{Event::Kind::rate, i,
-                        share * (readings.time()[i + 1] - readings.time()[i])};
+  const double usual = readings.usual_interval();
+  for (Index i = 0; i + 1 < readings.size(); ++i) {
+    constexpr double most_intervals = 20.0; // in a gap
+    const double interval = readings.time()[i + 1] - readings.time()[i];
+    const double halves = 2.0 * std::clamp(std::round(interval / usual), 1.0, most_intervals);
+    for (double half = 0.0; half < halves; ++half) {
+      const Event event{Event::Kind::rate, i, half / halves * interval};
       const double place = readings.time()[i] + event.after;
       const auto after = std::upper_bound(edges.begin(), edges.end(), place);
       if (after == edges.begin() || after == edges.end()) continue;
       if (count(*(after - 1), place) >= fewest && count(place, *after) >= fewest)
         all.push_back(event);
     }
+  }
 }
 
 std::vector<Event> possible_events(const Readings& readings, const std::vector<Event>& known) {
@@ -223,12 +238,69 @@ Explained with_one_more(const Readings& readings, const Explained& before) {
   return best;
 }
 
-// 2 log L that one event more gains, less its price. The factor keeps the ratio of likelihoods of
-// few readings distributed as that of many (Bartlett).
+// Two events more that explain most together: a nut that was turned and turned back shows neither
+// turn alone. They are placed in errors of reading and in the noise that was found without them.
+Explained with_two_more(const Readings& readings, const Explained& before) {
+  std::vector<Event> possible;
+  for (const Event& event : possible_events(readings, before.events))
+    if (event.kind == Event::Kind::setting ||
+        (event.kind == Event::Kind::rate && event.after == 0.0))
+      possible.push_back(event);
+  Explained best;
+  for (const Noise& noise : {before.noise, Noise{}}) {
+    const auto factor = readings.covariance(noise);
+    const MatrixXd x = factor.matrixL().solve(readings.design(before.events));
+    const Eigen::HouseholderQR<MatrixXd> design(x);
+    MatrixXd courses(readings.size(), static_cast<Index>(possible.size()));
+    for (Index i = 0; i < courses.cols(); ++i)
+      courses.col(i) = readings.course(possible[static_cast<std::size_t>(i)]);
+    courses = factor.matrixL().solve(courses).eval();
+    courses -= (x * design.solve(courses)).eval();
+    const MatrixXd products = courses.transpose() * courses;
+    const VectorXd seen = courses.transpose() * factor.matrixL().solve(readings.error());
+    double most = 0.0;
+    std::pair<Index, Index> pair{-1, -1};
+    for (Index i = 0; i < courses.cols(); ++i)
+      for (Index j = i + 1; j < courses.cols(); ++j) {
+        const double both = products(i, j), all = products(i, i) * products(j, j) - both * both;
+        constexpr double least_new = 1e-6; // less, and one is the other
+        if (!(all > least_new * products(i, i) * products(j, j))) continue;
+        const double gain = (seen[i] * seen[i] * products(j, j) +
+                             seen[j] * seen[j] * products(i, i) - 2.0 * seen[i] * seen[j] * both) /
+                            all;
+        if (gain <= most) continue;
+        most = gain;
+        pair = {i, j};
+      }
+    if (pair.first < 0) continue;
+    Explained found = explained(
+        readings, with(with(before.events, possible[static_cast<std::size_t>(pair.first)]),
+                       possible[static_cast<std::size_t>(pair.second)]));
+    if (found.deviance < best.deviance) best = std::move(found);
+  }
+  return best;
+}
+
+// 2 log L that the further events gain, less their price. The factor keeps the ratio of likelihoods
+// of few readings distributed as that of many (Bartlett).
 double gain_of(const Explained& with, const Explained& without, Index readings) {
   const auto n = static_cast<double>(readings);
   const double numbers = 3.0 + static_cast<double>(with.events.size());
-  return (without.deviance - with.deviance) * (1.0 - numbers / n) - 3.0 * std::log(n);
+  const auto more = static_cast<double>(with.events.size() - without.events.size());
+  return (without.deviance - with.deviance) * (1.0 - numbers / n) - 3.0 * more * std::log(n);
+}
+
+// Each further fault is less likely by the same factor. The first needs twice a convincing gain: of
+// rates that only wander, one in 25 looks like a step by one of them. A wander that remains beside
+// the events imitates steps, whose gain is small compared with its own.
+bool convinces(const Readings& readings, const Explained& more, const Explained& all) {
+  if (!std::isfinite(more.deviance)) return false;
+  double least = 0.0;
+  for (std::size_t count = all.events.size() + 1; count <= more.events.size(); ++count)
+    least += convincing_gain * static_cast<double>(1 + count);
+  constexpr double least_share = 0.5;
+  const double wander = steady(readings, more.events).deviance - more.deviance;
+  return gain_of(more, all, readings.size()) > std::max(least, least_share * wander);
 }
 
 // Event by event, as long as each gains enough.
@@ -237,14 +309,8 @@ Explained everything(const Readings& readings) {
   Explained all = explained(readings, {});
   while (all.events.size() < most_events) {
     Explained more = with_one_more(readings, all);
-    // Each further fault is less likely by the same factor. The first needs twice a convincing
-    // gain: of rates that only wander, one in 25 looks like a step by one of them. A wander that
-    // remains beside it imitates steps, whose gain is small compared with its own.
-    constexpr double least_share = 0.5;
-    const double wander = steady(readings, more.events).deviance - more.deviance;
-    const double least = std::max(convincing_gain * static_cast<double>(1 + more.events.size()),
-                                  least_share * wander);
-    if (!(gain_of(more, all, readings.size()) > least)) break;
+    if (!convinces(readings, more, all)) more = with_two_more(readings, all);
+    if (!convinces(readings, more, all)) break;
     all = std::move(more);
   }
   return all;
@@ -262,8 +328,8 @@ VectorXd sizes_of(const Readings& readings, const Explained& all) {
 
 std::vector<ReadingChange> changes_among_readings(std::span<const double> time_s,
                                                   std::span<const double> late_s) {
-  constexpr std::size_t fewest_readings = 8;
-  if (time_s.size() < fewest_readings) return {};
+  constexpr std::size_t fewest_readings = 12;
+  if (time_s.size() < fewest_readings || !(time_s.back() > time_s.front())) return {};
   const Readings readings(time_s, late_s);
   const Explained all = everything(readings);
   const VectorXd sizes = sizes_of(readings, all);
@@ -288,8 +354,11 @@ std::vector<ReadingChange> changes_among_readings(std::span<const double> time_s
 
 std::vector<ReadingChange> changes_among_readings(const TimingData& data) {
   const UnevenReadings& read = data.as_read;
-  return read.elapsed_s.empty() ? changes_among_readings(data.elapsed_s, data.lateness_s)
-                                : changes_among_readings(read.elapsed_s, read.late_s);
+  if (read.elapsed_s.empty()) return changes_among_readings(data.elapsed_s, data.lateness_s);
+  auto changes = changes_among_readings(read.elapsed_s, read.late_s);
+  for (ReadingChange& change : changes)
+    change.at_s += read.elapsed_s.front(); // counted from the first beat
+  return changes;
 }
 
 void level_settings(TimingData& data) {

@@ -27,16 +27,18 @@ struct ReadingChange {
 
 /// The changes among readings at times (s, rising) that are late by `late_s`, in order of time.
 ///
-/// They are taken one by one as long as 2 log L rises by twice a convincing gain (account.hpp), and
-/// by as much more for each that is known, after a price of three times log n: the date, which is
-/// searched for, counts as two numbers. A step of the rate has at least three readings on either
-/// side, one of the times two. A single wrong reading is left out of account. Cost: O(n^3), some
-/// seconds for 400. ReadingChangesTest.FindsATurnOfTheNut,
-/// ReadingChangesTest.FindsHandsThatWereSet, ReadingChangesTest.QuietReadingsStayQuiet
+/// They are taken one by one, or two where neither pays alone, as long as 2 log L rises by twice a
+/// convincing gain (account.hpp), and by one more for each that is known, after a price of three
+/// times log n: the date, which is searched for, counts as two numbers. The gain must also be half
+/// of what a wander of the rate beside them gains. A step of the rate has at least six readings
+/// on either side, one of the times two. A single wrong reading is left out of account. Cost:
+/// O(n^3), some seconds for 400. ReadingChangesTest.FindsATurnOfTheNut,
+/// ReadingChangesTest.FindsATurnAndItsReturn, ReadingChangesTest.FindsHandsThatWereSet,
+/// ReadingChangesTest.QuietReadingsStayQuiet
 std::vector<ReadingChange> changes_among_readings(std::span<const double> time_s,
                                                   std::span<const double> late_s);
 
-/// The same of the readings of `data`, as they were read.
+/// The same of the readings of `data`, as they were read; `at_s` is after the first beat.
 std::vector<ReadingChange> changes_among_readings(const TimingData& data);
 
 /// Subtracts the steps of the times of few readings, and notes them in `displaced`.

@@ -1,6 +1,7 @@
 #include "part_words.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <optional>
 #include <string_view>
@@ -35,13 +36,14 @@ std::string_view why(GapKind kind) {
   return ", because too many beats are missing in between to count them";
 }
 
-// A sentence; empty if its rate is not known.
+// A sentence; empty if its rate, or the uncertainty, is not known.
 std::string rate_of_other_part(const Analysis& data, const Wording& words) {
   if (!data.rate.nominal_is_known) return {};
   for (const PartRate& part : segment_rates(data.numbered.beats, data.rate.nominal_period_s))
-    if (part.from_cycle > data.beats.back().cycle || part.to_cycle < data.beats.front().cycle)
+    if (std::isfinite(part.rate.rate_excess_sigma) &&
+        (part.from_cycle > data.beats.back().cycle || part.to_cycle < data.beats.front().cycle))
       return fmt::format(" The rate of the other part, {} it, is {}.",
-                         part.start > data.beats.front().time ? "after" : "before",
+                         part.from_cycle > data.beats.back().cycle ? "after" : "before",
                          words.rate(part.rate.rate_excess, part.rate.rate_excess_sigma));
   return {};
 }

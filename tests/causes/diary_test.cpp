@@ -190,6 +190,15 @@ TEST(DiaryTest, AChangeWithinAGapIsOne) {
   EXPECT_EQ(diary.changes[1].cycle, 1299);
   EXPECT_EQ(diary.changes[1].rate_before, 998e-6);
   EXPECT_EQ(diary.changes[1].rate_after, 3202e-6);
+  // Opposite steps at its ends: the clock goes on as before.
+  diary.changes[1].cycle = 998;
+  diary.changes[1].rate_before_sigma = 1e-3;
+  Change back = diary.changes[1];
+  back.cycle = 1601;
+  back.rate_after_sigma = 1e-3;
+  diary.changes.insert(diary.changes.begin() + 2, back);
+  join_changes_across_gaps(beats, diary);
+  EXPECT_EQ(diary.changes.size(), 2U);
 }
 
 TEST(DiaryTest, AShortLogHasNoDiary) {
