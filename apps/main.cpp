@@ -153,6 +153,11 @@ std::vector<std::string> parser_words(int argc, char** argv) {
     const auto mark = std::find(words.begin(), words.end(), "--");
     if (mark != words.end()) words.erase(mark);
   }
+  for (std::string& word : words) { // every name of standard output becomes "-"
+    const std::size_t value = word.starts_with("--") ? word.find('=') + 1 : 0; // 0 without "="
+    if (goingrate::is_standard_output(std::string_view(word).substr(value)))
+      word.replace(value, std::string::npos, "-");
+  }
   std::reverse(words.begin(), words.end());
   return words;
 }

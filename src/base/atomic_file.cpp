@@ -21,12 +21,6 @@ namespace goingrate {
 
 namespace {
 
-bool is_standard_output(const std::string& path) {
-  static constexpr std::array<std::string_view, 4> names{"-", "/dev/stdout", "/dev/fd/1",
-                                                         "/proc/self/fd/1"};
-  return std::find(names.begin(), names.end(), path) != names.end();
-}
-
 bool is_special_file(const std::string& path) {
   std::error_code unknown;
   const auto status = std::filesystem::status(path, unknown);
@@ -91,6 +85,12 @@ private:
 };
 
 } // namespace
+
+bool is_standard_output(std::string_view path) {
+  static constexpr std::array<std::string_view, 4> names{"-", "/dev/stdout", "/dev/fd/1",
+                                                         "/proc/self/fd/1"};
+  return std::find(names.begin(), names.end(), path) != names.end();
+}
 
 void discard_drafts() noexcept { unlink_drafts(); }
 

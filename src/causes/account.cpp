@@ -28,16 +28,18 @@ std::vector<double> CourseMaker::step(double place) const {
   return s;
 }
 
-// The mean of exp(-t/T) over a block of length l from t1 to t2 is T/l (exp(-t1/T) - exp(-t2/T)).
+// The mean of exp(-t/T) over a block of length l from t1 to t2 is T/l (exp(-t1/T) - exp(-t2/T)). From
+// one whole block to the next it falls by the same factor.
 std::vector<double> CourseMaker::dying(double place, double time_s) const {
-  std::vector<double> s(count_);
+  std::vector<double> s(count_, 0.0);
   const double ratio = length_s_ / time_s;
-  double before = 1.0; // at the beginning of the block
-  for (std::size_t i = 0; i < count_; ++i) {
-    const double end = std::exp(-ratio * std::max(0.0, static_cast<double>(i) + 1.0 - place));
-    s[i] = (before - end) / ratio;
-    before = end;
-  }
+  auto block = static_cast<std::size_t>(std::max(0.0, std::floor(place)));
+  if (block >= count_) return s;
+  const double first = ratio * std::min(1.0, static_cast<double>(block) + 1.0 - place);
+  s[block] = -std::expm1(-first) / ratio;
+  const double kept = std::exp(-ratio);
+  for (double mean = std::exp(-first) * -std::expm1(-ratio) / ratio; ++block < count_; mean *= kept)
+    s[block] = mean;
   return s;
 }
 

@@ -63,6 +63,15 @@ TEST_F(OutputsTest, StandardOutputAtTheEndOfTheLogIsRefused) {
   EXPECT_EQ(content(folder_ / "log.csv"), content(folder_ / "kept-log.csv"));
 }
 
+TEST_F(OutputsTest, EveryNameOfStandardOutputIsTheSame) {
+  for (const char* output : {"-o -", "-o /dev/stdout", "--output=/dev/stdout", "-o /dev/fd/1"}) {
+    const Outcome outcome = run(fmt::format("report log.csv {}", output));
+    EXPECT_EQ(outcome.code, 0) << output << '\n' << outcome.err;
+    EXPECT_TRUE(outcome.out.starts_with("<!DOCTYPE html>")) << output;
+    EXPECT_TRUE(outcome.out.ends_with("</html>\n")) << output; // no summary follows the page
+  }
+}
+
 TEST_F(OutputsTest, TwoOutputsOfOneNameAreWrongUsage) {
   fs::create_symlink("b.csv", folder_ / "link.csv"); // to nothing yet
   for (const std::string arguments :

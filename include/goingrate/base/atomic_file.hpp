@@ -9,6 +9,9 @@
 
 namespace goingrate {
 
+/// Whether the path names standard output: "-", "/dev/stdout" and the like.
+bool is_standard_output(std::string_view path);
+
 /// Writes `text` to `path` ("-" is standard output). The text goes to a file beside the target,
 /// which is renamed over it only when every byte is on disk, so a failure leaves the old file.
 /// Throws OutputError; the temporary file is removed then.
