@@ -28,8 +28,8 @@ std::vector<double> CourseMaker::step(double place) const {
   return s;
 }
 
-// The mean of exp(-t/T) over a block of length l from t1 to t2 is T/l (exp(-t1/T) - exp(-t2/T)). From
-// one whole block to the next it falls by the same factor.
+// The mean of exp(-t/T) over a block of length l from t1 to t2 is T/l (exp(-t1/T) - exp(-t2/T)).
+// From one whole block to the next it falls by the same factor.
 std::vector<double> CourseMaker::dying(double place, double time_s) const {
   std::vector<double> s(count_, 0.0);
   const double ratio = length_s_ / time_s;
