@@ -21,6 +21,7 @@ int main(int count, char** words) {
     else
       scene.options.fixed[word] = 0.0;
   }
+  scene.options.fixed["gravity_share"] = 1.0; // fits hold it
   scene.scenario = parse_scenario(read_text(file), file, overrides);
   scene.truth = true_parameters(scene.scenario);
   if (!scene.scenario.drive.is_steady() || scene.truth.contains("impulse")) return 0;

@@ -14,20 +14,13 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 log=$folder/jump.csv
 
-# Median of the milliseconds that ten runs of a command take, after one that is not counted.
+# Median of the milliseconds of processor that eleven runs of a command take, after one that is not counted.
 median_ms() {
-  if command -v hyperfine > /dev/null; then
-    hyperfine -N --style none --warmup 1 --runs 10 --export-csv "$folder/times" "${*@Q}" > /dev/null
-    awk -F, 'END { printf "%.2f\n", 1e3 * $(NF - 4) }' "$folder/times"
-    return
-  fi
-  local begin
+  local TIMEFORMAT='%U %S'
   "$@" &> /dev/null
-  for _ in {1..10}; do
-    begin=${EPOCHREALTIME/[.,]/}
-    "$@" &> /dev/null
-    echo $((${EPOCHREALTIME/[.,]/} - begin))
-  done | sort -n | awk '{ t[NR] = $1 } END { printf "%.2f\n", (t[5] + t[6]) / 2e3 }'
+  for _ in {1..11}; do
+    { time "$@" &> /dev/null; } 2>&1
+  done | awk '{ print 1e3 * ($1 + $2) }' | sort -n | awk '{ t[NR] = $1 } END { printf "%.0f\n", t[6] }'
 }
 
 "$goingrate" simulate data/scenarios/jump.toml --set run.periods=2000 --set sensor.jitter_rms=1e-6 \
@@ -44,7 +37,7 @@ for model in averaged1 auto; do
   chosen=$(grep -m1 '"dynamics"' "$folder/$model.json" | cut -d'"' -f4)
   awk -v model=$model -v took="$took" -v chosen="$chosen" '
     /^(lm|trf) / { ratios = ratios sprintf(", %.2f times %s", took / $2, $1) }
-    END { printf "goingrate fit --model %s (dynamics %s) %.2f ms a process%s\n",
+    END { printf "goingrate fit --model %s (dynamics %s) %.0f ms of processor a process%s\n",
           model, chosen, took, ratios }' <<< "$peer"
 done
 built study_fit_speed

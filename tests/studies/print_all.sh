@@ -30,6 +30,7 @@ print ring_down 10 "$base"
 print monitor 4 "$base"
 print watch_cost
 print report_speed 7 "$base"
+print speed 10000000
 for name in solvers fit_speed fit_peer reading stability python web; do
   print "$name"
 done
