@@ -453,6 +453,15 @@ DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loade
   return input;
 }
 
+// A pendulum without a drive has no cause of a clock that gets worse: that it comes to rest is told.
+static void leave_out_drifts_of_free_swings(const FitSummary& fit,
+                                            std::vector<Suspicion>& suspicions) {
+  if (!fit.has_result() || fit.model.escapement != Escapement::none) return;
+  std::erase_if(suspicions, [](const Suspicion& suspicion) {
+    return suspicion.cause == Cause::growing_friction || suspicion.cause == Cause::length_drift;
+  });
+}
+
 // The causes of what is not explained; the times are not needed after that.
 static std::vector<Suspicion> suspicions_of(TimingData times, const NumberedLog& loaded,
                                             const Analysis& data) {
@@ -553,6 +562,7 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   if (const auto model = drive_model(data.fit, times)) data.history = drive_history(times, *model);
   tell("likely causes");
   data.suspicions = suspicions_of(std::move(times), loaded, data);
+  leave_out_drifts_of_free_swings(data.fit, data.suspicions);
   tell("stability");
   const PhaseSeries phase = phase_series(loaded);
   data.deviation = stability_table(DeviationKind::oadev, phase.phase_s, phase.tau0_s,

@@ -164,7 +164,8 @@ void name_weather(std::span<const CovariateEffect> effects, std::vector<Suspicio
       if (suspicion.cause == Cause::unlogged_weather && effect.helps() &&
           std::none_of(suspicions.begin(), suspicions.end(), is_of_it))
         suspicion = {cause, suspicion.gain, suspicion.evidence};
-      if (!is_of_it(suspicion)) continue;
+      // An effect that does not show by itself knows no better than the diagnosis.
+      if (!is_of_it(suspicion) || !effect.helps()) continue;
       suspicion.numbers.size = effect.coefficient;
       suspicion.numbers.sigma = effect.sigma;
     }

@@ -255,7 +255,12 @@ Explained with_two_more(const Readings& readings, const Explained& before) {
     for (Index i = 0; i < courses.cols(); ++i)
       courses.col(i) = readings.course(possible[static_cast<std::size_t>(i)]);
     courses = factor.matrixL().solve(courses).eval();
+    const VectorXd whole = courses.colwise().squaredNorm();
     courses -= (x * design.solve(courses)).eval();
+    // Less of a course is what the known events, or the other one, explain.
+    constexpr double least_new = 1e-6;
+    for (Index i = 0; i < courses.cols(); ++i)
+      if (!(courses.col(i).squaredNorm() > least_new * whole[i])) courses.col(i).setZero();
     const MatrixXd products = courses.transpose() * courses;
     const VectorXd seen = courses.transpose() * factor.matrixL().solve(readings.error());
     double most = 0.0;
@@ -263,7 +268,6 @@ Explained with_two_more(const Readings& readings, const Explained& before) {
     for (Index i = 0; i < courses.cols(); ++i)
       for (Index j = i + 1; j < courses.cols(); ++j) {
         const double both = products(i, j), all = products(i, i) * products(j, j) - both * both;
-        constexpr double least_new = 1e-6; // less, and one is the other
         if (!(all > least_new * products(i, i) * products(j, j))) continue;
         const double gain = (seen[i] * seen[i] * products(j, j) +
                              seen[j] * seen[j] * products(i, i) - 2.0 * seen[i] * seen[j] * both) /

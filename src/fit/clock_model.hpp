@@ -131,7 +131,12 @@ private:
     T value = (data_.lateness_s[i] - going_.late_s - (data_.cycle[i] - going_.cycle) * longer +
                going_.T0 * state.phase_excess * (1.0 / two_pi)) /
               (state.rate + 1.0);
-    if (has_offset_) value -= asin(offset_ / sqrt(state.amplitude2)) * going_.T0 * (1.0 / two_pi);
+    if (has_offset_) {
+      // The speed at the vertical is lambda (1 - s lambda^2/64), from A = lambda (1 + 5 s
+      // lambda^2/192).
+      const T slower = state.amplitude2 * going_.laws.circular * -0.25 + 1.0;
+      value -= asin(offset_ / (sqrt(state.amplitude2) * slower)) * going_.T0 * (1.0 / two_pi);
+    }
     for (const Term& term : terms_)
       value += term.coefficient * data_.terms[term.which].advance_s[i];
     return value;

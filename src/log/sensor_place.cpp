@@ -7,6 +7,7 @@
 #include "base/scaled_time.hpp"
 
 #include <algorithm>
+#include <boost/math/special_functions/jacobi_elliptic.hpp>
 #include <cmath>
 #include <vector>
 
@@ -18,8 +19,27 @@ namespace {
 struct Swing {
   std::size_t up;   // the upward beat that begins it
   std::size_t down; // the downward one within
-  double late_s;    // asin(alpha/lambda) T0 / 2 pi
+  std::size_t next; // the upward one that ends it
+  double late_s;    // from the vertical to the sensor
 };
+
+// The angle that a free pendulum of this amplitude (rad) passes `late_s` after the vertical:
+// sin(alpha/2) = k sn(2 pi late/T0, k), k = sin(A/2). The harmonic A sin(2 pi late/T0) is A^2/24
+// too large.
+double angle_passed(double amplitude, double late_s, double T0_s) {
+  const double k = std::sin(0.5 * amplitude);
+  return 2.0 * std::asin(k * boost::math::jacobi_sn(k, two_pi * late_s / T0_s));
+}
+
+// The amplitude of the pendulum that passes the angle then.
+double amplitude_passing(double angle, double late_s, double T0_s) {
+  double amplitude = angle / std::sin(two_pi * late_s / T0_s);
+  for (int round = 0; round < 3; ++round) { // each gains a factor of A^2/24
+    if (!(amplitude > 0.0 && amplitude < std::numbers::pi)) break;
+    amplitude *= angle / angle_passed(amplitude, late_s, T0_s);
+  }
+  return amplitude;
+}
 
 // Passes each triple of an upward, a downward and the next upward crossing to `take`.
 template <class Take> void for_each_swing(std::span<const Beat> beats, Take take) {
@@ -35,7 +55,7 @@ template <class Take> void for_each_swing(std::span<const Beat> beats, Take take
         beat.segment == beats[before].segment) {
       const double right = beats[down].time - beats[before].time;
       const double left = beat.time - beats[down].time;
-      take(Swing{before, down, 0.25 * (left - right)});
+      take(Swing{before, down, i, 0.25 * (left - right)});
     }
     before = i;
     down = beats.size();
@@ -68,9 +88,9 @@ std::optional<SensorEstimate> offset_from_halves(std::span<const Beat> beats, do
   std::vector<double> offsets;
   for_each_swing(beats, [&](const Swing& swing) {
     const double own = beats[swing.down].amplitude_rad;
-    const double amplitude = std::isnan(own) ? beats[swing.up].amplitude_rad : own;
-    if (!std::isnan(amplitude))
-      offsets.push_back(amplitude * std::sin(two_pi * swing.late_s / period_s));
+    const double about = 0.5 * (beats[swing.up].amplitude_rad + beats[swing.next].amplitude_rad);
+    const double amplitude = std::isnan(own) ? about : own;
+    if (!std::isnan(amplitude)) offsets.push_back(angle_passed(amplitude, swing.late_s, period_s));
   });
   if (offsets.size() < fewest_swings) return {};
   return robust_mean(offsets);
@@ -186,7 +206,7 @@ std::optional<SensorEstimate> sensor_offset(std::span<const Beat> beats, double 
 
 void set_amplitudes_from_halves(std::span<Beat> beats, double offset_rad, double period_s) {
   for_each_swing(beats, [&](const Swing& swing) {
-    const double amplitude = offset_rad / std::sin(two_pi * swing.late_s / period_s);
+    const double amplitude = amplitude_passing(offset_rad, swing.late_s, period_s);
     const bool real = amplitude > 0.0 && amplitude < std::numbers::pi;
     for (const std::size_t i : {swing.up, swing.down})
       if (real && std::isnan(beats[i].amplitude_rad)) beats[i].amplitude_rad = amplitude;

@@ -5,6 +5,7 @@
 
 #include "goingrate/report/tables.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
@@ -55,11 +56,14 @@ std::string undetermined(const FitSummary& fit) {
 }
 
 // Advice on how to determine the parameters that are left open.
-std::string remedy(const Analysis& data, bool sees_amplitude, bool told_a_change) {
+std::string remedy(const Analysis& data, bool sees_amplitude) {
+  const bool has_step_of_drive =
+      std::any_of(data.suspicions.begin(), data.suspicions.end(),
+                  [](const Suspicion& s) { return s.cause == Cause::drive_step; });
   const std::string amplitudes = sees_amplitude ? "" : "amplitudes, ";
   if (!swings_freely(data))
     return fmt::format("; {}a ring-down or a {}change of the driving weight would", amplitudes,
-                       told_a_change ? "larger " : "");
+                       has_step_of_drive ? "larger " : "");
   const bool is_told = data.fit.decay && !std::isfinite(data.fit.decay->q.value);
   return is_told ? "" : fmt::format("; {}a longer log or a larger first swing would", amplitudes);
 }
@@ -84,7 +88,7 @@ std::string model_sentence(const Analysis& data, bool sees_amplitude, bool told_
   text += is_rough ? " only roughly" : needs.empty() ? " to within its noise" : needs;
   if (const std::string open = undetermined(fit); !open.empty())
     text += fmt::format(", {} the log does not tell {}{}", is_rough ? "and" : "but", open,
-                        remedy(data, sees_amplitude, told_a_change));
+                        remedy(data, sees_amplitude));
   return text + ".";
 }
 

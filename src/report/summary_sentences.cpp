@@ -277,6 +277,15 @@ std::string Sentences::changes() const {
         words_.rate(after.rate_excess, after.rate_excess_sigma),
         moves_on() ? ", and it has moved on since" : "");
   }
+  if (changes_.size() == 2 && data_.stretches.size() == 3 && data_.rate.nominal_is_known &&
+      data_.rate.time_base_sigma == 0.0) {
+    const auto rate_of = [&](std::size_t stretch) {
+      const RateSummary& rate = data_.stretches[stretch].rate;
+      return words_.rate(rate.rate_excess, rate.rate_excess_sigma);
+    };
+    return fmt::format("The rate changed {}: from {} before to {} between and {} after",
+                       when_it_changed(), rate_of(0), rate_of(1), rate_of(2));
+  }
   return "The rate changed " + when_it_changed();
 }
 
@@ -460,10 +469,7 @@ void Sentences::say_how_it_comes_to_rest() {
     say(fmt::format("Its small swings would take {} s; wide ones take longer, which is why the "
                     "period changes as it comes to rest.",
                     with_sigma(period->value, period->sigma, 10)));
-  // That it comes to rest is told; without a drive no clock gets worse.
-  const auto other = std::find_if_not(suspicions_.begin(), suspicions_.end(),
-                                      [](const Suspicion& s) { return is_drift(s.cause); });
-  if (other != suspicions_.end()) say(explanation(*other, words_, sees_amplitude_));
+  if (!suspicions_.empty()) say(explanation(suspicions_.front(), words_, sees_amplitude_));
 }
 
 } // namespace

@@ -1,4 +1,5 @@
 // The short form of tests/studies/ring_down: ring-downs as users' files.
+#include "goingrate/log/writing.hpp"
 #include "support/ring_down_score.hpp"
 
 #include <gtest/gtest.h>
@@ -7,6 +8,28 @@ namespace goingrate {
 namespace {
 
 using namespace test;
+
+// A short ring-down of a high Q, whose rate drifts along with the swing.
+TEST(RingDownTest, ASwingWithoutADriveIsNotToBeOiled) {
+  Scenario scenario;
+  scenario.clock = {2.0, 1e-5, 0.0, 0.0};
+  scenario.clock.escapement = Escapement::none;
+  scenario.start_amplitude = 0.05;
+  scenario.periods = 700;
+  scenario.sensor.jitter_rms_s = 1e-4;
+  scenario.sensor.amplitude_rms = 1e-4;
+  for (const std::uint64_t seed : {11U, 12U}) {
+    LoadRequest request;
+    request.path = "swing.csv";
+    const Analysis analysis =
+        analyse(load_text(native_log_text(simulated_log(scenario, seed), 6), request), {});
+    EXPECT_EQ(analysis.fit.model.escapement, Escapement::none) << seed;
+    for (const Suspicion& suspicion : analysis.suspicions)
+      EXPECT_TRUE(suspicion.cause != Cause::growing_friction &&
+                  suspicion.cause != Cause::length_drift)
+          << seed;
+  }
+}
 
 // Logs of the study's prior, four of each law and sensor.
 TEST(RingDownStudy, ShortForm) {

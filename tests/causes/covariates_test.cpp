@@ -1,5 +1,6 @@
 #include "causes/reading_errors.hpp"
 #include "goingrate/causes/covariates.hpp"
+#include "goingrate/causes/diagnosis.hpp"
 
 #include "goingrate/base/random.hpp"
 
@@ -31,9 +32,7 @@ TimingData made(const Made& what, std::uint64_t seed) {
     const double t = 2.0 * static_cast<double>(i);
     drifting += 0.02 * weather.normal();
     const double wave = 3.0 * std::sin(2.0 * std::numbers::pi * t / 20000.0);
-    cause.push_back(what.cause_wanders ? drifting
-                    : what.by_the_day  ? wave
-                                       : wave + 0.3 * drifting);
+    cause.push_back(what.cause_wanders ? drifting : what.by_the_day ? wave : wave + 0.3 * drifting);
     data.cycle.push_back(static_cast<double>(i));
     data.elapsed_s.push_back(t);
     data.lateness_s.push_back(late);
@@ -85,8 +84,8 @@ TEST(CovariateTest, ErrorsOfAThermometerTellNothing) {
   double z2 = 0.0;
   for (std::uint64_t seed = 1; seed <= logs; ++seed) {
     TimingData data = made({.coefficient = rod, .by_the_day = true}, seed);
-    const TimingData late =
-        made({.coefficient = compensation, .lag_s = 4000.0, .white = 0.0, .by_the_day = true}, seed);
+    const TimingData late = made(
+        {.coefficient = compensation, .lag_s = 4000.0, .white = 0.0, .by_the_day = true}, seed);
     RandomStream error(seed, StreamPurpose::amplitude_noise);
     double sum = 0.0;
     for (std::size_t i = 0; i < data.size(); ++i) {
@@ -109,7 +108,8 @@ TEST(ReadingErrorsTest, SmoothWeatherIsFoundInNoisyReadings) {
   RandomStream error(5, StreamPurpose::amplitude_noise);
   std::vector<double> readings;
   for (const double t : data.elapsed_s)
-    readings.push_back(3.0 * std::sin(2.0 * std::numbers::pi * t / 20000.0) + error_k * error.normal());
+    readings.push_back(3.0 * std::sin(2.0 * std::numbers::pi * t / 20000.0) +
+                       error_k * error.normal());
   timing_model::add_readings("temperature", "1/K", readings, data);
   const RateTerm& found = data.terms.back();
   EXPECT_NEAR(found.sigma, error_k, 0.03 * error_k); // a median of 20,000 squares: three times 1 %
@@ -122,7 +122,8 @@ TEST(ReadingErrorsTest, SmoothWeatherIsFoundInNoisyReadings) {
     misses2 += std::pow(mean(found) - mean(truth), 2);
   }
   const double blocks = static_cast<double>(data.size()) / block;
-  EXPECT_LT(std::sqrt(misses2 / blocks), 0.5 * error_k / std::sqrt(block)); // half of what means leave
+  EXPECT_LT(std::sqrt(misses2 / blocks),
+            0.5 * error_k / std::sqrt(block)); // half of what means leave
 
   std::vector<double> rough;
   double late = 0.0;
@@ -216,6 +217,23 @@ TEST(CovariateTest, TheHalfNotSeenIsTheJudge) {
   EXPECT_NE(covariate_text(none).find("not distinguishable"), std::string::npos);
 }
 
+TEST(CovariateTest, AnEffectThatDoesNotHelpLeavesTheDiagnosisItsOwn) {
+  CovariateEffect effect;
+  effect.name = "temperature";
+  effect.coefficient = 1e-6;
+  std::vector<Suspicion> suspicions(1);
+  suspicions[0].cause = Cause::temperature;
+  suspicions[0].numbers.size = -5e-7;
+  suspicions[0].numbers.sigma = 1e-8;
+  effect.sigma = 2e-6; // does not show
+  name_weather({&effect, 1}, suspicions);
+  EXPECT_EQ(suspicions[0].numbers.size, -5e-7);
+  effect.sigma = 1e-7;
+  effect.without_s = 1.0; // and with it there is no error
+  name_weather({&effect, 1}, suspicions);
+  EXPECT_EQ(suspicions[0].numbers.size, 1e-6);
+}
+
 TEST(CovariateTest, AStraightLineIsNoAnswer) {
   TimingData data = made({}, 9);
   data.terms = {rate_term("temperature", "1/K", data, data.elapsed_s)};
@@ -247,8 +265,7 @@ TEST(CovariateTest, WhatIsNotKnownIsLeftOut) {
     RateTerm& term = data.terms.front();
     std::vector<double> value;
     for (std::size_t i = 0; i < data.size(); ++i)
-      value.push_back(i == 0 ? std::nan("")
-                             : (term.advance_s[i] - term.advance_s[i - 1]) / 2.0);
+      value.push_back(i == 0 ? std::nan("") : (term.advance_s[i] - term.advance_s[i - 1]) / 2.0);
     for (const auto& [from, to] : {std::pair{0, 3000}, {9000, 14000}, {30000, 33000}})
       std::fill(value.begin() + from, value.begin() + to, std::nan(""));
     term = rate_term("temperature", "1/K", data, value);

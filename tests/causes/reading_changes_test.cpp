@@ -131,6 +131,20 @@ TEST(ReadingChangesTest, FindsHandsThatWereSet) {
     }
 }
 
+// A setting at one reading and another at the next are together a wrong reading: what the events so
+// far explain to rounding is no further one.
+TEST(ReadingChangesTest, EventsThatExplainEachOtherAreNotAdded) {
+  for (std::uint64_t seed = 300; seed < 340; ++seed) {
+    ReadClock clock{.days = 30, .reading_s = 0.5, .walk_s = 0.05};
+    clock.set_on = 15;
+    clock.set_by_s = -30.0;
+    const auto found = changes_of(clock, seed);
+    ASSERT_FALSE(found.empty()) << seed;
+    for (const ReadingChange& change : found)
+      EXPECT_TRUE(std::isfinite(change.size) && std::isfinite(change.gain)) << seed;
+  }
+}
+
 TEST(ReadingChangesTest, QuietReadingsStayQuiet) {
   int found = 0;
   for (std::uint64_t seed = 1; seed <= 100; ++seed)

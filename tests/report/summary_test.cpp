@@ -9,6 +9,7 @@
 #include "some_report.hpp"
 
 #include <algorithm>
+#include <array>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <limits>
@@ -139,7 +140,8 @@ TEST(SummaryTest, TheRateOfTheOtherPartIsTold) {
     data.numbered.beats.push_back(beat);
   }
   const std::string text = all_of(report_sentences(data));
-  EXPECT_NE(text.find("The rate of the other part, after it, is -8639 "), std::string::npos) << text;
+  EXPECT_NE(text.find("The rate of the other part, after it, is -8639 "), std::string::npos)
+      << text;
 }
 
 TEST(SummaryTest, TwoChangesHaveTheirMoments) {
@@ -153,6 +155,13 @@ TEST(SummaryTest, TwoChangesHaveTheirMoments) {
   EXPECT_NE(text.find("The rate changed twice, 300 s and 900 s after the first beat;"),
             std::string::npos)
       << text;
+  const std::array cuts{data.beats.front().time + 300.0, data.beats.front().time + 900.0};
+  data.stretches = rates_between(data.beats, cuts, 3.0);
+  ASSERT_EQ(data.stretches.size(), 3U);
+  const std::string with_rates = all_of(report_sentences(data));
+  for (const char* words :
+       {"300 s and 900 s after the first beat: from ", " before to ", " between and "})
+    EXPECT_NE(with_rates.find(words), std::string::npos) << with_rates;
 }
 
 TEST(SummaryTest, ABalanceHasARegulator) {

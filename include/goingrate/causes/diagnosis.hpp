@@ -98,8 +98,8 @@ inline constexpr std::size_t least_diagnosed_beats = 400;
 /// clocks; DiagnosisTest.NamesTheCause checks a part of it. Cost: some seconds for any length.
 std::vector<Suspicion> diagnose(const DiagnosisInput& input);
 
-/// Gives suspicions of temperature and pressure the coefficients of covariate_effects(), so that
-/// the results for a log agree. A daily wave that a column of the log explains, also in the half
+/// Gives suspicions of temperature and pressure the coefficients of those covariate_effects() that
+/// help, so that the results for a log agree. A daily wave that a column of the log explains, also in the half
 /// that its coefficient was not fitted to, is named after that column and not unlogged weather.
 void name_weather(std::span<const CovariateEffect> effects, std::vector<Suspicion>& suspicions);
 
