@@ -2,8 +2,6 @@
 
 #include "account.hpp"
 
-#include "fit/displacements.hpp"
-
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -365,18 +363,31 @@ std::vector<ReadingChange> changes_among_readings(const TimingData& data) {
   return changes;
 }
 
-void level_settings(TimingData& data) {
+// The share of a setting that a beat has: beats that stand in for uneven readings lie on the
+// straight lines between these.
+static double share_of_setting(const UnevenReadings& read, double set_s, double elapsed_s) {
   constexpr double rounding_s = 1e-3;
+  const auto first =
+      std::lower_bound(read.elapsed_s.begin(), read.elapsed_s.end(), set_s - rounding_s);
+  if (first == read.elapsed_s.begin() || first == read.elapsed_s.end())
+    return elapsed_s < set_s - rounding_s ? 0.0 : 1.0;
+  const double before = *(first - 1);
+  return std::clamp((elapsed_s - before) / (*first - before), 0.0, 1.0);
+}
+
+void level_settings(TimingData& data) {
   for (const ReadingChange& change : changes_among_readings(data)) {
     if (change.is_of_rate) continue;
-    const auto first_since = [&](const std::vector<double>& elapsed_s) {
-      return static_cast<std::size_t>(
-          std::lower_bound(elapsed_s.begin(), elapsed_s.end(), change.at_s - rounding_s) -
-          elapsed_s.begin());
-    };
-    take_off({first_since(data.elapsed_s), change.size, change.gain}, data);
-    for (std::size_t i = first_since(data.as_read.elapsed_s); i < data.as_read.late_s.size(); ++i)
-      data.as_read.late_s[i] -= change.size;
+    std::size_t beat = data.size() - 1; // the first that has most of it
+    for (std::size_t i = data.size(); i-- > 0;) {
+      const double share = share_of_setting(data.as_read, change.at_s, data.elapsed_s[i]);
+      if (share >= 0.5) beat = i;
+      data.lateness_s[i] -= share * change.size;
+    }
+    data.displaced.push_back({beat, change.size, change.gain});
+    UnevenReadings& read = data.as_read;
+    for (std::size_t i = 0; i < read.late_s.size(); ++i)
+      read.late_s[i] -= share_of_setting(read, change.at_s, read.elapsed_s[i]) * change.size;
   }
 }
 

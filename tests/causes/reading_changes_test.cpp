@@ -2,6 +2,7 @@
 
 #include "goingrate/base/random.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 
@@ -129,6 +130,39 @@ TEST(ReadingChangesTest, FindsHandsThatWereSet) {
       EXPECT_EQ(found[0].at_s, day_s * clock.set_on);
       EXPECT_NEAR(found[0].size, 120.0, 1.6); // four times the errors of two readings
     }
+}
+
+// Hands set between readings at uneven hours: a beat on the line between the last reading before
+// and the first one after has a part of the setting.
+TEST(ReadingChangesTest, BeatsBetweenReadingsHaveTheirShareOfASetting) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    RandomStream random(seed, StreamPurpose::jitter);
+    constexpr int days = 30, set_on = 15;
+    constexpr double set_by_s = -30.0;
+    TimingData data;
+    UnevenReadings& read = data.as_read;
+    for (int day = 0; day < days; ++day) {
+      read.elapsed_s.push_back(day_s * (day + 0.02 * random.normal()));
+      read.late_s.push_back(0.1 * random.normal() + (day >= set_on ? set_by_s : 0.0));
+    }
+    std::size_t next = 1;
+    for (int day = 0; day < days; ++day) {
+      const double t = day_s * day;
+      while (next + 1 < read.elapsed_s.size() && read.elapsed_s[next] < t)
+        ++next;
+      const double share = std::clamp((t - read.elapsed_s[next - 1]) /
+                                          (read.elapsed_s[next] - read.elapsed_s[next - 1]),
+                                      0.0, 1.0);
+      data.cycle.push_back(day);
+      data.elapsed_s.push_back(t);
+      data.lateness_s.push_back(std::lerp(read.late_s[next - 1], read.late_s[next], share));
+    }
+    level_settings(data);
+    ASSERT_EQ(data.displaced.size(), 1U) << seed;
+    EXPECT_EQ(data.displaced[0].beat, static_cast<std::size_t>(set_on)) << seed;
+    for (const double late : data.lateness_s)
+      EXPECT_LT(std::abs(late), 1.0) << seed; // ten errors of reading; half a day of it is 15 s
+  }
 }
 
 // A setting at one reading and another at the next are together a wrong reading: what the events so

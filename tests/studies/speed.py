@@ -122,7 +122,7 @@ def main():
               ("ours", [COMMAND, "--version"]),
               ("python with numpy", ["/usr/bin/python3", "-c", "import numpy"]),
               ("with pandas", ["/usr/bin/python3", "-c", "import pandas"]))))
-    print(f"{'job':<32}{'beats':>9}{'s':>9}{'exponent':>9}{'bytes per beat':>14}  peers: s, times ours")
+    print(f"{'job':<32}{'beats':>9}{'s':>9}{'exponent':>9}{'bytes per beat':>16}  peers: s, times ours")
     with tempfile.TemporaryDirectory() as name:
         for job, most, make, our, peers in jobs(Path(name)):
             before = None
@@ -131,7 +131,7 @@ def main():
                 log = make(beats)
                 (took, memory), *others = medians([our(log), *(p(log) for p in peers.values())], beats)
                 exponent = f"{math.log10(took / before):.2f}" if before else ""
-                print(f"{job:<32}{beats:>9}{took:>9.3f}{exponent:>9}{memory / beats:>14.0f}  "
+                print(f"{job:<32}{beats:>9}{took:>9.3f}{exponent:>9}{memory / beats:>16.0f}  "
                       + "; ".join(f"{peer} {s:.3f} {s / took:.2f}"
                                   for peer, (s, _) in zip(peers, others)), flush=True)
                 before = took

@@ -99,8 +99,9 @@ inline constexpr std::size_t least_diagnosed_beats = 400;
 std::vector<Suspicion> diagnose(const DiagnosisInput& input);
 
 /// Gives suspicions of temperature and pressure the coefficients of those covariate_effects() that
-/// help, so that the results for a log agree. A daily wave that a column of the log explains, also in the half
-/// that its coefficient was not fitted to, is named after that column and not unlogged weather.
+/// help, so that the results for a log agree. A daily wave that a column of the log explains, also
+/// in the half that its coefficient was not fitted to, is named after that column and not unlogged
+/// weather.
 void name_weather(std::span<const CovariateEffect> effects, std::vector<Suspicion>& suspicions);
 
 /// Adds to `diary.changes` (which are also `input.changes`) the steps, and the ends of temporary
