@@ -88,7 +88,8 @@ std::optional<SensorEstimate> offset_from_halves(std::span<const Beat> beats, do
   std::vector<double> offsets;
   for_each_swing(beats, [&](const Swing& swing) {
     const double own = beats[swing.down].amplitude_rad;
-    const double about = 0.5 * (beats[swing.up].amplitude_rad + beats[swing.next].amplitude_rad);
+    const double first = beats[swing.up].amplitude_rad, last = beats[swing.next].amplitude_rad;
+    const double about = std::isnan(last) ? first : 0.5 * (first + last);
     const double amplitude = std::isnan(own) ? about : own;
     if (!std::isnan(amplitude)) offsets.push_back(angle_passed(amplitude, swing.late_s, period_s));
   });

@@ -283,8 +283,9 @@ std::string Sentences::changes() const {
       const RateSummary& rate = data_.stretches[stretch].rate;
       return words_.rate(rate.rate_excess, rate.rate_excess_sigma);
     };
-    return fmt::format("The rate changed {}: from {} before to {} between and {} after",
-                       when_it_changed(), rate_of(0), rate_of(1), rate_of(2));
+    return fmt::format("The rate changed {}: from {} before to {} between and {}{} after",
+                       when_it_changed(), rate_of(0), rate_of(1), moves_on() ? "a mean of " : "",
+                       rate_of(2));
   }
   return "The rate changed " + when_it_changed();
 }
