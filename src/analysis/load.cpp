@@ -144,21 +144,23 @@ private:
   // them phases: no error of a clock grows by a twentieth of the time.
   void refuse_times_for_phases(const GridData& grid) const {
     if (loaded_.log.format != LogFormat::phase || loaded_.log.events.empty()) return;
-    std::vector<double> steps;
-    for (std::size_t i = 1; i < grid.phase_s.size(); ++i)
-      if (const double step = grid.phase_s[i] - grid.phase_s[i - 1]; std::isfinite(step))
-        steps.push_back(step);
-    if (steps.empty()) return;
+    const double least_step_s = largest_rate_excess * grid.tau0_s;
+    std::vector<double> long_steps;
+    std::size_t steps = 0;
+    for (std::size_t i = 1; i < grid.phase_s.size(); ++i) {
+      const double step = grid.phase_s[i] - grid.phase_s[i - 1];
+      steps += std::isfinite(step) ? 1 : 0;
+      if (std::isfinite(step) && step > least_step_s) long_steps.push_back(step);
+    }
+    if (long_steps.empty()) return;
     constexpr double day_s = 86400.0;
-    const double usual_s = median(steps);
+    const double usual_s = median(long_steps);
     constexpr double most_scatter = 0.1; // of the step: beats are more even
-    const auto alike = std::count_if(steps.begin(), steps.end(), [&](double step) {
+    const auto alike = std::count_if(long_steps.begin(), long_steps.end(), [&](double step) {
       return std::abs(step - usual_s) < most_scatter * usual_s;
     });
     constexpr double least_share = 0.9; // of the steps: the others are gaps and false beats
-    if (usual_s <= largest_rate_excess * grid.tau0_s ||
-        static_cast<double>(alike) < least_share * static_cast<double>(steps.size()))
-      return;
+    if (static_cast<double>(alike) < least_share * static_cast<double>(steps)) return;
     throw ImpossibleReading(
         loaded_.log.place(loaded_.log.events.front().line),
         fmt::format("phases that rise by {:.6g} s from one to the next, {:.6g} s apart", usual_s,

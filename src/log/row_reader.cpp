@@ -49,6 +49,7 @@ void RowReader::reserve(std::size_t lines) {
     reserve_large(samples_, lines);
   else
     reserve_large(log_.events, layout_.format == LogFormat::ticktock ? 2 * lines : lines);
+  if (log_.grid) reserve_large(log_.grid->phase_s, lines);
 }
 
 void RowReader::reject(const Line& line, std::size_t column, IssueKind kind, std::string found) {

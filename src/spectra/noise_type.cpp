@@ -259,7 +259,8 @@ int NoiseByRatio::alpha_of_phase_noise(std::size_t m) const {
 
 NoiseType NoiseByRatio::at(std::size_t m) const {
   if (m == 0) throw ArgumentError("m", 0.0, "1 or more");
-  const std::vector<double> z = every_mth(phase_, m);
+  const std::vector<double> thinned = m == 1 ? std::vector<double>{} : every_mth(phase_, m);
+  const std::span<const double> z = m == 1 ? phase_ : std::span<const double>(thinned);
   const FrequencyScatter scatter = scatter_of_steps(z);
   NoiseType noise;
   noise.points = count_finite(z);
