@@ -403,9 +403,11 @@ FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded) {
   // The rest angle of samples is an estimate. Its error shifts the times of a ring-down
   // increasingly, even if the beat error is too small to show.
   const bool is_estimate = beat_error && loaded.log.format == LogFormat::angle;
-  if ((!is_seen && !is_estimate) || loaded.sensor.at_vertical ||
-      timing_model::names(options, "offset"))
-    return options;
+  if (loaded.sensor.at_vertical || timing_model::names(options, "offset")) return options;
+  const bool is_leading_edge =
+      loaded.log.flag_width_rad && !loaded.log.has_amplitude && loaded.log.columns.width_s.empty();
+  if (is_leading_edge) options.fixed["offset"] = -0.5 * *loaded.log.flag_width_rad;
+  if ((!is_seen && !is_estimate) || is_leading_edge) return options;
   // With amplitudes the two directions tell the place far better than times of one direction, which
   // would trade it for friction.
   const auto place = loaded.log.has_amplitude

@@ -198,6 +198,8 @@ void find_what_recurs(TimingData& data) {
   TimingData without = data;
   level_wheels(without);
   if (data.impulses && !is_a_wheels(*data.impulses, without)) return;
+  data.impulses = find_waiting_pushes(data, without.wheels);
+  if (data.impulses) return;
   data = std::move(without);
   if (!data.wheels.empty()) data.impulses = pushes_of(data);
 }

@@ -272,8 +272,10 @@ private:
       correct_widths_for_friction(log, width, period_s);
       loaded_.beats.beats = std::move(log.events);
     } else if (width > 0.0 && !log.has_amplitude) {
+      log.flag_width_rad = width;
       assume("the times are those of the flag's leading edge; without amplitudes they cannot be "
-             "moved to the vertical, and a change of the amplitude biases the rate");
+             "moved to the vertical, and a change of the amplitude biases the rate; the fit takes "
+             "the sensor to be half of the flag's width before the vertical");
     } else if (width > 0.0) {
       with_events([&](ClockLog& moved) {
         move_to_vertical(moved, -0.5 * width, 0.5 * width, loaded_.nominal_period_s);

@@ -53,8 +53,7 @@ AnswerBlocks answer_blocks(const RateBlocks& blocks, const std::vector<double>& 
 }
 
 AnswerBlocks without_start(AnswerBlocks blocks) {
-  // Of the log: in a week, this is some relaxation times of most clocks.
-  constexpr double start_share = 0.02;
+  constexpr double start_share = 0.02; // of the log: of a week, several times what most clocks take
   const auto start =
       static_cast<std::ptrdiff_t>(start_share * static_cast<double>(blocks.series.size()));
   for (std::vector<double>* part : {&blocks.series, &blocks.value})

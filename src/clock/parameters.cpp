@@ -57,6 +57,10 @@ void check(const ClockParameters& clock) {
     throw ArgumentError(clock.every > 1 ? "every" : "below",
                         clock.every > 1 ? static_cast<double>(clock.every) : clock.below,
                         "an escapement that acts in some periods: this pendulum has none");
+  if (clock.escapement == Escapement::profile && clock.rising.points.empty() &&
+      clock.falling.points.empty())
+    throw ArgumentError("rising", std::string("missing"),
+                        "the torque of the profile by angle, here or in `falling`");
   check_table("rising", clock.rising);
   check_table("falling", clock.falling);
 }

@@ -201,7 +201,14 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
     summary.status = FitStatus::stopped_early;
     summary.termination = "stopped on a flat ridge: the log does not determine the parameters";
   }
-  const std::vector<FitNote> faults = model_contradictions(fitted, summary.quality);
+  FewBeats some;
+  const Fitted fewer = on_beats_to_profile(fitted, some);
+  const ProfiledPlace all{fitted.problem, fitted.minimum, known};
+  const ProfiledPlace of_some{fewer.problem, fewer.minimum, fewer.known};
+  const ProfiledPlace* few = fewer.minimum.usable ? &of_some : nullptr;
+  const bool holds = widening.largest() < largest_widening;
+  const std::vector<Interval> ends = intervals(all, few, holds);
+  const std::vector<FitNote> faults = model_contradictions(fitted, summary.quality, ends);
   if (!faults.empty()) {
     known.distrusted.assign(known.distrusted.size(), true);
     summary.status = FitStatus::contradicts_log;
@@ -219,13 +226,6 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
           std::llround(slot.value(std::span<const double>(fitted.minimum.x)));
   summary.time_widening = widening.time;
   summary.amplitude_widening = widening.amplitude;
-  FewBeats some;
-  const Fitted fewer = on_beats_to_profile(fitted, some);
-  const ProfiledPlace all{fitted.problem, fitted.minimum, known};
-  const ProfiledPlace of_some{fewer.problem, fewer.minimum, fewer.known};
-  const ProfiledPlace* few = fewer.minimum.usable ? &of_some : nullptr;
-  const bool holds = widening.largest() < largest_widening;
-  const std::vector<Interval> ends = intervals(all, few, holds);
   Stated stated{known, ends};
   if (holds && !fitted.problem.parameters.event_cycles.empty())
     reach_along_the_ridge(few != nullptr ? *few : all, fitted.minimum.x, stated);

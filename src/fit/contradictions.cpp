@@ -64,18 +64,23 @@ std::optional<FitNote> regulated_swing(const Fitted& fitted) {
 }
 
 // Between two pushes the swing is free and shows its friction, whatever the pushes give.
-std::optional<FitNote> other_friction_between_pushes(const Fitted& fitted) {
+// A fit that leaves the friction open contradicts nothing.
+std::optional<FitNote> other_friction_between_pushes(const Fitted& fitted,
+                                                     const std::vector<Interval>& ends) {
   const auto& pushes = fitted.problem.data->impulses;
   const Slot& slot = *fitted.problem.parameters.find(Quantity::epsilon);
   const bool is_linear = fitted.model.friction() == "linear";
   if (!pushes || !pushes->epsilon || !slot.free || !is_linear) return {};
-  const double found = slot.value(std::span<const double>(fitted.minimum.x));
-  const double sigma = fitted.known.sigma(slot.index) * found; // of a logarithm
-  constexpr double largest_difference_sigma = 4.0;
   const double seen = pushes->epsilon->value;
-  if (!(std::abs(found - seen) >
-        largest_difference_sigma * std::hypot(sigma, pushes->epsilon->sigma)))
+  if (!(seen > 0.0)) return {};
+  const double best = fitted.minimum.x[slot.index], off = slot.coordinate_of(seen) - best;
+  const Interval& own = ends[slot.index];
+  const double sigma = (off < 0.0 ? best - own.low95 : own.high95 - best) / z95;
+  constexpr double largest_difference_sigma = 4.0;
+  if (!(std::abs(off) >
+        largest_difference_sigma * std::hypot(sigma, pushes->epsilon->sigma / seen)))
     return {};
+  const double found = slot.value(std::span<const double>(fitted.minimum.x));
   return FitNote{NoteKind::misfit,
                  fmt::format("between two pushes the swing dies away by ε = {}, in the best fit by "
                              "{}: the pushes are not those of a steady drive",
@@ -88,7 +93,8 @@ bool scatters_unevenly(const Fitted& fitted) {
   return fitted.widening.largest() > largest_widening && rough_stretch(fitted);
 }
 
-std::vector<FitNote> model_contradictions(const Fitted& fitted, const FitQuality& quality) {
+std::vector<FitNote> model_contradictions(const Fitted& fitted, const FitQuality& quality,
+                                          const std::vector<Interval>& ends) {
   std::vector<FitNote> found;
   if (const auto rough = rough_stretch(fitted);
       rough && fitted.widening.largest() > largest_widening)
@@ -104,7 +110,7 @@ std::vector<FitNote> model_contradictions(const Fitted& fitted, const FitQuality
                      "something else rules the times"});
   if (const auto regulated = regulated_swing(fitted))
     found.push_back(*regulated);
-  else if (const auto other = other_friction_between_pushes(fitted))
+  else if (const auto other = other_friction_between_pushes(fitted, ends))
     found.push_back(*other);
   constexpr double least_p_value = 1e-6;
   if (found.empty() && fitted.minimum.converged && quality.p_value < least_p_value)

@@ -110,9 +110,18 @@ public:
       parameters_.term_names.push_back(term.name);
   }
 
+  // Of a free swing that also loses by other friction, this part may be none at all.
+  [[nodiscard]] Kind linear_friction() const {
+    const bool may_be_none = model_.escapement == Escapement::none &&
+                             (model_.quadratic || names(options_, "quadratic_drag") || model_.dry ||
+                              names(options_, "dry_friction"));
+    return may_be_none ? Kind{Quantity::epsilon, Coordinate::multiple, 1e-4}
+                       : Kind{Quantity::epsilon, Coordinate::logarithm, 1.0};
+  }
+
   Parameters collect() {
     add({Quantity::T0, Coordinate::stretch, data_.reference_period_s});
-    add({Quantity::epsilon, Coordinate::logarithm, 1.0});
+    add(linear_friction());
     if (model_.escapement == Escapement::single_impulse) {
       add({Quantity::mu, Coordinate::logarithm, 1.0});
       add({Quantity::phi0, Coordinate::multiple, 0.01});

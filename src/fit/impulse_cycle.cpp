@@ -1,5 +1,6 @@
 #include "goingrate/fit/impulse_cycle.hpp"
 
+#include "push_candidate.hpp"
 #include "push_friction.hpp"
 #include "push_shapes.hpp"
 
@@ -18,93 +19,15 @@ namespace {
 
 using namespace push_shapes;
 
-constexpr std::size_t longest_cycle = 60;        // periods between pushes
-constexpr double least_gain = 18.0;              // 2 log L, after the price
-constexpr std::size_t searched_cycles = 200'000; // of a log at most: enough to see a push
-
-Grid on_cycles(const TimingData& data, const std::vector<double>& values, std::size_t most) {
-  const auto length = std::min(most, static_cast<std::size_t>(std::llround(data.cycle.back())) + 1);
-  Grid grid(length, not_known);
-  for (std::size_t i = 0; i < data.size(); ++i) {
-    const auto at = static_cast<std::size_t>(std::llround(data.cycle[i]));
-    if (at < length) grid[at] = values[i];
-  }
-  return grid;
-}
-
-// The known data, cycle by cycle.
-struct Sight {
-  Grid late, amplitude;                           // the second is empty if the log has none
-  double late_noise = 0.0, amplitude_noise = 0.0; // of one value
-};
-
-// The noise of a single value, from second differences.
-double noise_of(const Grid& values) {
-  std::vector<double> bends;
-  for (std::size_t i = 2; i < values.size(); ++i)
-    if (const double bend = values[i] - 2.0 * values[i - 1] + values[i - 2]; std::isfinite(bend))
-      bends.push_back(bend);
-  if (bends.empty()) return 0.0;
-  const double rms = std::sqrt(std::inner_product(bends.begin(), bends.end(), bends.begin(), 0.0) /
-                               static_cast<double>(bends.size()));
-  const double robust = robust_sigma(bends); // 0 where most values are alike, as rounded ones are
-  return (robust > 0.0 ? robust : rms) / std::sqrt(6.0);
-}
-
-// The first `most` cycles.
-Sight seen(const TimingData& data, std::size_t most) {
-  Sight sight{on_cycles(data, data.lateness_s, most), {}};
-  if (data.has_amplitude()) {
-    sight.amplitude = on_cycles(data, data.amplitude_rad, most);
-    if (!std::isfinite(mean_of_known(sight.amplitude))) sight.amplitude.clear();
-  }
-  sight.late_noise = noise_of(sight.late);
-  sight.amplitude_noise = noise_of(sight.amplitude);
-  return sight;
-}
-
-// Possible pushes, and how much of the squares of times and amplitudes they explain, in units of
-// their noise, per cycle on average, which decides between one number of swings and another.
-struct Candidate {
-  ImpulseCycle pushes;
-  double squares = 0.0;
-};
-
-double squares_of(const Coefficients& found, double noise, const std::vector<double>& pushes,
-                  double periods, std::size_t length) {
-  if (!(noise > 0.0)) return 0.0;
-  const Shapes all{found.of[0].value, found.of[1].value, found.of[2].value};
-  double sum = 0.0;
-  for (std::size_t i = 0; i < length; ++i) {
-    const Shapes at = shapes_at(pushes, periods, static_cast<double>(i));
-    sum += std::pow(all.dot(at) / noise, 2);
-  }
-  return sum / static_cast<double>(length);
-}
-
-ImpulseCycle described(const std::vector<double>& pushes, double periods, const Coefficients& late,
-                       const std::optional<Coefficients>& swing, double price) {
-  ImpulseCycle found{periods, true, 0.0, *std::lower_bound(pushes.begin(), pushes.end(), 0.0)};
-  const auto& hump = late[hump_shape];
-  found.lateness = {hump.value * height_of_hump(periods), hump.sigma * height_of_hump(periods)};
-  found.kick = late[tooth_shape];
-  found.middle = late[middle_shape];
-  found.gain = late.gain() - price;
-  if (!swing) return found;
-  const auto& step = (*swing)[tooth_shape];
-  found.gain += swing->gain();
-  found.amplitude_step = step;
-  found.amplitude_middle = (*swing)[middle_shape].value;
-  return found;
-}
+constexpr std::size_t longest_cycle = 60; // periods between pushes
 
 // Looks for pushes once in n periods, beginning at any place.
 class RegularSearch {
 public:
   RegularSearch(const Sight& sight, std::size_t n, double price)
       : sight_(sight), n_(n), price_(price), times_(less_moving_mean(sight.late, n)),
-        amplitudes_(less_moving_mean(sight.amplitude, n)), late_(folded_means(times_, n)),
-        swing_(folded_means(amplitudes_, n)) {}
+        amplitudes_(less_moving_mean(straightened(sight.amplitude), n)),
+        late_(folded_means(times_, n)), swing_(folded_means(amplitudes_, n)) {}
 
   // The best place. A tooth that begins one swing early or late makes the same pattern as a
   // crossing that is off. So the third shape, for the crossing before or after the push, is used
@@ -135,13 +58,9 @@ public:
   }
 
 private:
-  [[nodiscard]] bool has_swing() const { return !sight_.amplitude.empty(); }
+  [[nodiscard]] bool has_swing() const { return sight_.has_swing(); }
   [[nodiscard]] double in_noise(double late, double swing) const {
-    const auto over = [](double squares, double noise) {
-      return noise > 0.0 ? squares / (noise * noise) : 0.0;
-    };
-    return (over(late, sight_.late_noise) + over(swing, sight_.amplitude_noise)) /
-           static_cast<double>(n_);
+    return sight_.in_noise(late, swing) / static_cast<double>(n_);
   }
   [[nodiscard]] double score(std::size_t first, Sought sought) const {
     return in_noise(explained(late_, first, sought),
@@ -208,10 +127,12 @@ std::optional<Candidate> visible_pushes(const Sight& sight, double price) {
   std::vector<double> pushes;
   std::size_t falls = 0;
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    // A push through the vertical raises the swing of that crossing by a half, of the next by all.
-    const bool goes_on = !pushes.empty() && pushes.back() + 1.0 == static_cast<double>(i);
-    if (steps[i] - middle > threshold && !goes_on) pushes.push_back(static_cast<double>(i));
     falls += middle - steps[i] > threshold ? 1 : 0;
+    if (!(steps[i] - middle > threshold)) continue;
+    // A push through the vertical raises the swing of that crossing by a part, of the next by all.
+    const bool goes_on = !pushes.empty() && pushes.back() + 1.0 == static_cast<double>(i);
+    if (goes_on) pushes.pop_back();
+    pushes.push_back(static_cast<double>(i));
   }
   if (20 * falls > pushes.size()) return {}; // pushes do not go both up and down
   std::vector<double> intervals;
@@ -226,18 +147,11 @@ std::optional<Candidate> visible_pushes(const Sight& sight, double price) {
   const double periods = is_regular ? usual : mean;
   constexpr double least_steady = 0.5; // intervals that vary more are knocks or a hand
   if (periods < 2.0 || robust_sigma(intervals) > least_steady * periods) return {};
-  const auto n = static_cast<std::size_t>(std::lround(periods));
-  const auto times = irregular_coefficients(sight.late, pushes, n, most_shapes(n));
-  const auto swings =
-      irregular_coefficients(sight.amplitude, pushes, n, in_amplitudes(most_shapes(n)));
-  if (!times || !swings) return {};
-  Candidate found{
-      described(pushes, periods, *times, swings, price),
-      squares_of(*times, sight.late_noise, pushes, periods, sight.late.size()) +
-          squares_of(*swings, sight.amplitude_noise, pushes, periods, sight.amplitude.size())};
-  found.pushes.epsilon = friction_between(sight.amplitude, pushes);
-  found.pushes.is_regular = is_regular;
-  found.pushes.cycles = std::move(pushes);
+  const auto friction = friction_between(sight.amplitude, pushes);
+  auto found = irregular_candidate(sight, std::move(pushes), periods, price);
+  if (!found) return {};
+  found->pushes.epsilon = friction;
+  found->pushes.is_regular = is_regular;
   return found;
 }
 
@@ -282,7 +196,7 @@ std::optional<ImpulseCycle> find_impulse_cycle(const TimingData& data) {
     sine = std::max(sine, search.sine()); // if it explains more than pushes do, a wheel turns
     take(search.best());
   }
-  if (!sight.amplitude.empty()) take(visible_pushes(sight, price));
+  if (sight.has_swing()) take(visible_pushes(sight, price));
   if (!best || best->squares < sine) return {};
   if (is_part_of_longer_cycle(sight, *best, price)) return {};
   if (!best->pushes.cycles.empty() && sight.late.size() == searched_cycles) // each one, to the end
@@ -294,12 +208,18 @@ std::optional<ImpulseCycle> find_impulse_cycle(const TimingData& data) {
 void level_impulses(const ImpulseCycle& found, TimingData& data) {
   const auto pushes = pushes_of(found, data.cycle.back());
   const double hump = found.lateness.value / height_of_hump(found.periods);
+  const double mean_rad = data.has_amplitude() ? mean_of_known(data.amplitude_rad) : not_known;
+  const auto cycles = static_cast<std::size_t>(std::llround(data.cycle.back())) + 1;
+  const auto irregular =
+      found.is_regular ? std::vector<Shapes>{} : irregular_shapes(pushes, found.periods, cycles);
   for (std::size_t i = 0; i < data.size(); ++i) {
-    const Shapes at = shapes_at(pushes, found.periods, data.cycle[i]);
+    const Shapes at = found.is_regular
+                          ? shapes_at(pushes, found.periods, data.cycle[i])
+                          : irregular[static_cast<std::size_t>(std::llround(data.cycle[i]))];
     data.lateness_s[i] -= Shapes(found.kick.value, hump, found.middle.value).dot(at);
     if (found.amplitude_step)
-      data.amplitude_rad[i] -=
-          Shapes(found.amplitude_step->value, 0.0, found.amplitude_middle).dot(at);
+      data.amplitude_rad[i] *= std::exp(
+          -Shapes(found.amplitude_step->value, 0.0, found.amplitude_middle).dot(at) / mean_rad);
   }
 }
 

@@ -213,6 +213,11 @@ void ModelSearch::choose_dynamics() {
       chosen_by_ = "the dynamics asked for do not run here";
     return;
   }
+  if (shifts_.empty() && best_.problem.parameters.escapement == Escapement::none &&
+      refine_every_end(best_, FitDynamics::map)) { // from where they do swing to the end
+    chosen_by_ = "first order finds a friction that would stop the swing before the log ends";
+    return;
+  }
   const bool suffices = shifts_.empty() || first <= allowed_shift;
   if (is_extended) shifts_.clear();
   if (suffices) return;

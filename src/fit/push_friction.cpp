@@ -11,12 +11,8 @@ namespace {
 
 using std::numbers::pi;
 
-// The amplitude between the first push that was seen and the last.
-struct PushedSwing {
-  double mean = not_known;
-  double growth = 0.0; ///< from one push to the next, by the first and the last interval
-};
-PushedSwing swing_between(const Grid& amplitude, const std::vector<double>& pushes) {
+// How much the amplitude grows from one push to the next, by the first and the last interval.
+double growth_between(const Grid& amplitude, const std::vector<double>& pushes) {
   const auto length = static_cast<double>(amplitude.size());
   const auto first = std::lower_bound(pushes.begin(), pushes.end(), 0.0);
   const auto last = std::upper_bound(first, pushes.end(), length - 1.0) - 1;
@@ -24,23 +20,23 @@ PushedSwing swing_between(const Grid& amplitude, const std::vector<double>& push
     return mean_of_known(std::span(amplitude).subspan(static_cast<std::size_t>(from) + 1,
                                                       static_cast<std::size_t>(to - from)));
   };
-  if (last - first < 2) return {};
+  if (last - first < 2) return 0.0;
   const double growth = (from_to(*(last - 1), *last) - from_to(*first, *(first + 1))) /
                         static_cast<double>(last - first - 1);
-  return {from_to(*first, *last), std::isfinite(growth) ? growth : 0.0};
+  return std::isfinite(growth) ? growth : 0.0;
 }
 
 // Checks that friction is the same in every part of the log: pushes that are regular only for a
 // while leave a tooth that comes and goes, whose mean says nothing.
-bool is_same_in_every_part(const Grid& amplitude, const Coefficients& swing, double periods,
-                           const ImpulseCycle::Estimate& epsilon) {
+bool is_same_in_every_part(const Grid& straight, const Coefficients& swing, double periods,
+                           double loss, const ImpulseCycle::Estimate& epsilon) {
   constexpr std::size_t most_parts = 8, least_cycles_a_part = 8;
   const std::size_t count = swing.teeth.size();
   const std::size_t parts = std::min(most_parts, count / least_cycles_a_part);
   if (parts < 2) return true;
   const auto n = static_cast<std::size_t>(std::lround(periods));
   const auto level = [&](std::size_t interval) {
-    return mean_of_known(std::span(amplitude).subspan(swing.begins[interval], n));
+    return mean_of_known(std::span(straight).subspan(swing.begins[interval], n));
   };
   double squares = 0.0;
   for (std::size_t k = 0; k < parts; ++k) {
@@ -48,11 +44,9 @@ bool is_same_in_every_part(const Grid& amplitude, const Coefficients& swing, dou
     const ImpulseCycle::Estimate step =
         mean_of({swing.teeth.begin() + static_cast<std::ptrdiff_t>(from),
                  swing.teeth.begin() + static_cast<std::ptrdiff_t>(to)});
-    const double first = level(from), last = level(to - 1);
-    const double growth = (last - first) / static_cast<double>(to - from - 1);
-    const double scale = 2.0 * pi * periods * 0.5 * (first + last);
-    const double sigma = std::max(step.sigma / scale, epsilon.sigma); // at least that of all
-    squares += std::pow(((step.value - growth) / scale - epsilon.value) / sigma, 2);
+    const double growth = (level(to - 1) - level(from)) / static_cast<double>(to - from - 1);
+    const double sigma = std::max(step.sigma / loss, epsilon.sigma); // at least that of all
+    squares += std::pow(((step.value - growth) / loss - epsilon.value) / sigma, 2);
   }
   const double freedom = static_cast<double>(parts - 1);
   constexpr double beyond_chance = 1e-3;
@@ -75,14 +69,23 @@ double mean_of_known(std::span<const double> values) {
   return known > 0.0 ? sum / known : not_known;
 }
 
+Grid straightened(const Grid& amplitude) {
+  const double mean = mean_of_known(amplitude);
+  Grid straight(amplitude.size(), not_known);
+  for (std::size_t i = 0; i < amplitude.size(); ++i)
+    if (amplitude[i] > 0.0) straight[i] = mean * (1.0 + std::log(amplitude[i] / mean));
+  return straight;
+}
+
 std::optional<ImpulseCycle::Estimate> friction_of_teeth(const Grid& amplitude,
                                                         const std::vector<double>& pushes,
                                                         double periods, const Coefficients& swing) {
   const auto& step = swing[tooth_shape];
-  const PushedSwing seen = swing_between(amplitude, pushes);
-  const double loss = 2.0 * pi * periods * seen.mean * faster_at(seen.mean);
-  const ImpulseCycle::Estimate epsilon{(step.value - seen.growth) / loss, step.sigma / loss};
-  if (!is_same_in_every_part(amplitude, swing, periods, epsilon)) return {};
+  const Grid straight = straightened(amplitude);
+  const double mean = mean_of_known(amplitude), growth = growth_between(straight, pushes);
+  const double loss = 2.0 * pi * periods * mean * faster_at(mean);
+  const ImpulseCycle::Estimate epsilon{(step.value - growth) / loss, step.sigma / loss};
+  if (!is_same_in_every_part(straight, swing, periods, loss, epsilon)) return {};
   return epsilon;
 }
 

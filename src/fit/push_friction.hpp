@@ -12,7 +12,11 @@ namespace goingrate::push_shapes {
 /// NaN if none is known.
 double mean_of_known(std::span<const double> values);
 
-/// From the saw-tooth of the amplitude, `swing`: the loss between two pushes is proportional to the
+/// Amplitudes in which a free swing dies away along a straight line, as its logarithm does. Near
+/// their mean they are as they were.
+Grid straightened(const Grid& amplitude);
+
+/// From the saw-tooth of the straightened amplitude, `swing`: the loss between two pushes is proportional to the
 /// amplitude, whatever a push gives. nullopt if the friction differs from one part of the log to
 /// another.
 std::optional<ImpulseCycle::Estimate> friction_of_teeth(const Grid& amplitude,

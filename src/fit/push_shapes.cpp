@@ -111,6 +111,63 @@ Shapes shapes_at(const std::vector<double>& pushes, double periods, double cycle
   return shapes_of(m, n);
 }
 
+namespace {
+
+// The level of stairs in the midst of an interval, if every step comes as late as the others on
+// average: their middles lie on it.
+double level_of(const std::vector<double>& pushes, double periods, std::size_t j) {
+  return static_cast<double>(j) - 0.5 * (pushes[j - 1] + pushes[j] + 1.0) / periods;
+}
+
+// The level of the stairs at a crossing within interval j, which wanders as the pushes do: a line
+// through means over many intervals.
+class Level {
+public:
+  Level(const std::vector<double>& pushes, double periods) : pushes_(pushes) {
+    constexpr std::size_t reach = 4; // intervals either way, over which two lengths even out
+    for (std::size_t j = 1; j < pushes.size(); ++j) {
+      const std::size_t from = j > reach ? j - reach : 1,
+                        to = std::min(pushes.size() - 1, j + reach);
+      double sum = 0.0;
+      for (std::size_t k = from; k <= to; ++k)
+        sum += level_of(pushes, periods, k);
+      means_.push_back(sum / static_cast<double>(to - from + 1));
+    }
+  }
+  [[nodiscard]] double at(double cycle, std::size_t j) const {
+    if (means_.empty()) return 0.0;
+    const std::size_t own = std::clamp<std::size_t>(j, 1, means_.size()) - 1;
+    const double middle = 0.5 * (pushes_[own] + pushes_[own + 1] + 1.0);
+    const std::size_t next =
+        cycle < middle ? (own > 0 ? own - 1 : own) : std::min(own + 1, means_.size() - 1);
+    if (next == own) return means_[own];
+    const double other = 0.5 * (pushes_[next] + pushes_[next + 1] + 1.0);
+    return std::lerp(means_[own], means_[next],
+                     std::clamp((cycle - middle) / (other - middle), 0.0, 1.0));
+  }
+
+private:
+  const std::vector<double>& pushes_;
+  std::vector<double> means_; // about each interval
+};
+
+} // namespace
+
+std::vector<Shapes> irregular_shapes(const std::vector<double>& pushes, double periods,
+                                     std::size_t length) {
+  const Level level(pushes, periods);
+  std::vector<Shapes> shapes(length);
+  std::size_t next = 0; // the push at a crossing or after it
+  for (std::size_t i = 0; i < length; ++i) {
+    const auto cycle = static_cast<double>(i);
+    while (next < pushes.size() && pushes[next] < cycle)
+      ++next;
+    shapes[i] = shapes_at(pushes, periods, cycle);
+    shapes[i](tooth_shape) = static_cast<double>(next) - cycle / periods - level.at(cycle, next);
+  }
+  return shapes;
+}
+
 Sought few_shapes(std::size_t n) { return n == 2 ? tooth_alone : tooth_and_hump; }
 Sought most_shapes(std::size_t n) {
   constexpr std::size_t least_swings = 6; // between pushes
@@ -237,14 +294,15 @@ std::optional<Coefficients> regular_coefficients(const Grid& values,
 }
 
 std::optional<Coefficients> irregular_coefficients(const Grid& values,
-                                                   const std::vector<double>& pushes, std::size_t n,
-                                                   Sought sought) {
+                                                   const std::vector<double>& pushes,
+                                                   double periods, Sought sought) {
+  const std::vector<Shapes> shapes = irregular_shapes(pushes, periods, values.size());
+  const auto n = static_cast<std::size_t>(std::lround(periods));
   std::array<Grid, 3> less_slow;
   for (std::size_t k = 0; k < 3; ++k) {
     Grid shape(values.size());
     for (std::size_t i = 0; i < values.size(); ++i)
-      shape[i] = shapes_at(pushes, static_cast<double>(n),
-                           static_cast<double>(i))(static_cast<Eigen::Index>(k));
+      shape[i] = shapes[i](static_cast<Eigen::Index>(k));
     less_slow[k] = less_moving_mean(shape, n);
   }
   return coefficients(less_moving_mean(values, n), pushes, sought,

@@ -38,6 +38,10 @@ Shapes shapes_of(double m, double n);
 /// The shapes at one crossing. The intervals before the first push and after the last count as
 /// being of the usual length.
 Shapes shapes_at(const std::vector<double>& pushes, double periods, double cycle);
+/// The same at every crossing for pushes at irregular intervals, all of one strength: the tooth
+/// falls by as much in each swing, whatever the interval, and its slow part is taken off.
+std::vector<Shapes> irregular_shapes(const std::vector<double>& pushes, double periods,
+                                     std::size_t length);
 
 /// Which of the shapes are looked for.
 using Sought = std::span<const Shape>;
@@ -88,10 +92,10 @@ struct Coefficients {
 std::optional<Coefficients> regular_coefficients(const Grid& values,
                                                  const std::vector<double>& pushes, std::size_t n,
                                                  Sought sought);
-/// For single pushes, n periods apart on average; `values` with their slow part.
+/// For single pushes, `periods` apart on average; `values` with their slow part.
 std::optional<Coefficients> irregular_coefficients(const Grid& values,
-                                                   const std::vector<double>& pushes, std::size_t n,
-                                                   Sought sought);
+                                                   const std::vector<double>& pushes,
+                                                   double periods, Sought sought);
 
 /// The delay of the clock by a push itself, s: the step of the tooth minus the effect, through the
 /// circular error, of the push on the rest of the period in which it comes. The tooth does not

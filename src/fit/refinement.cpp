@@ -1,5 +1,6 @@
 #include "refinement.hpp"
 
+#include "every_friction.hpp"
 #include "reference_run.hpp"
 
 #include "fit/timing_noise.hpp"
@@ -90,6 +91,22 @@ bool is_far_beyond(const Fitted& first_order, const FitProblem& corrected) {
          misfit > hopeless_ratio * bend_of(corrected);
 }
 
+// First order may stop a free swing before the log ends where the dynamics do not: begins with less
+// friction there.
+void begin_where_it_swings(Fitted& fitted, FitDynamics dynamics) {
+  constexpr int most_steps = 8;
+  constexpr double less = 0.9; // of each term
+  if (fitted.problem.parameters.escapement != Escapement::none) return;
+  for (int step = 0; step < most_steps && !by_its_own(dynamics, fitted); ++step)
+    for (const Slot& slot : fitted.problem.parameters.slots) {
+      const bool is_friction = std::find(friction_terms.begin(), friction_terms.end(),
+                                         slot.quantity) != friction_terms.end();
+      if (is_friction && slot.free)
+        fitted.minimum.x[slot.index] =
+            slot.coordinate_of(less * slot.value(std::span<const double>(fitted.minimum.x)));
+    }
+}
+
 // Whether the innovations show that the fit at this point explains nothing.
 bool is_lost(const Residuals& seen) {
   constexpr double beyond_chance = 1e-6;
@@ -133,6 +150,7 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
                            refined.problem.parameters.has(Quantity::drive_rms) ||
                            !refined.problem.data->has_amplitude();
   const bool was_lost = explains_nothing(fitted);
+  begin_where_it_swings(refined, dynamics);
   for (int round = 0; round < rounds; ++round) {
     const auto here = by_its_own(dynamics, refined);
     if (!here) { // the search led to where the dynamics cannot follow

@@ -84,7 +84,7 @@ double usual_step(std::span<const AngleSample> samples) {
   return median(std::move(steps));
 }
 
-// A polynomial of second order in x through points near 0, by least squares: its value and slope
+// A polynomial of second order in x through points near 0, by least squares: its course
 // at 0.
 class LocalParabola {
 public:
@@ -94,11 +94,14 @@ public:
     moment_ += row * y;
     ++points_;
   }
-  [[nodiscard]] std::optional<double> slope() const {
+  struct Course {
+    double slope, bend; // its first and second derivative
+  };
+  [[nodiscard]] std::optional<Course> course() const {
     constexpr int fewest_samples = 5; // two more than its terms
     if (points_ < fewest_samples) return {};
-    const double slope = normal_.ldlt().solve(moment_)[1];
-    return std::isfinite(slope) ? std::optional(slope) : std::nullopt;
+    const Eigen::Vector3d terms = normal_.ldlt().solve(moment_);
+    return terms.allFinite() ? std::optional(Course{terms[1], 2.0 * terms[2]}) : std::nullopt;
   }
 
 private:
@@ -114,7 +117,7 @@ public:
               bool in_rad)
       : samples_(samples), passages_(std::move(found)), period_s_(period_s), in_rad_(in_rad),
         samples_per_period_(period_s / usual_step(samples)),
-        local_(passages_.size(), {period_s, 0.0}) {}
+        local_(passages_.size(), {period_s, 0.0, 0.0}) {}
 
   // The rest angle: the middle of the swings, except for the unknown decay within each.
   [[nodiscard]] double middle() {
@@ -146,7 +149,8 @@ private:
     }
   };
   struct Local {
-    double period_s, decay; // of the swing's size, 1/s
+    double period_s, decay;  // of the swing's size, 1/s
+    double quickening = 0.0; // of the angular frequency, rad/s^2
   };
 
   // Half the width of the samples for one passage, periods. With a quarter no two passages share a
@@ -189,6 +193,9 @@ private:
     if (static_cast<Eigen::Index>(near.size()) < terms) return {};
     SwingShape shape{2.0 * std::numbers::pi / period, local_[k].decay,
                      passages_[k].edge == Edge::up ? 1.0 : -1.0};
+    shape.quickening = local_[k].quickening;
+    shape.square_share = square_share_;
+    if (before) shape.amplitude = before->amplitude;
     if (before && in_rad_) shape.overtones = Overtones(before->amplitude);
     const double zero = level.value_or(0.0);
     const SwingSums sums(near, shape, swing.centre, zero);
@@ -229,11 +236,27 @@ private:
       }
       constexpr double farthest_share =
           0.2; // of the period; else there is a false passage among them
-      if (const auto half = time.slope();
-          half && std::abs(2.0 * *half / period_s_ - 1.0) < farthest_share)
-        local_[k].period_s = 2.0 * *half;
-      if (const auto slope = size.slope()) local_[k].decay = -*slope;
+      const auto half = time.course();
+      if (half && std::abs(2.0 * half->slope / period_s_ - 1.0) < farthest_share) {
+        local_[k].period_s = 2.0 * half->slope;
+        local_[k].quickening = -std::numbers::pi * half->bend / std::pow(half->slope, 3);
+      }
+      if (const auto fall = size.course()) local_[k].decay = -fall->slope;
     }
+    square_share_ = share_of_square_law();
+  }
+
+  // The power of the amplitude with which the decay goes over the log: 0 for linear friction, 1 for
+  // the square law. What friction takes that does not depend on the speed is in a swing's middle.
+  [[nodiscard]] double share_of_square_law() const {
+    double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+    for (std::size_t k = 0; k < fits_.size(); ++k) {
+      if (!fits_[k] || !(local_[k].decay > 0.0)) continue;
+      const double size = std::log(fits_[k]->amplitude), decay = std::log(local_[k].decay);
+      ++n, x += size, y += decay, xx += size * size, xy += size * decay;
+    }
+    const double spread = n * xx - x * x;
+    return spread > 0.0 ? std::clamp((n * xy - x * y) / spread, 0.0, 1.0) : 0.0;
   }
 
   // The number of half swings from the first passage to each; some passages may be missing.
@@ -289,7 +312,8 @@ private:
   double period_s_;
   bool in_rad_;
   double samples_per_period_;
-  std::vector<Local> local_; // one a passage
+  std::vector<Local> local_;  // one a passage
+  double square_share_ = 0.0; // of the friction
   std::vector<std::optional<Swing>> fits_;
 };
 

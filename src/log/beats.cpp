@@ -5,6 +5,8 @@
 #include "goingrate/base/errors.hpp"
 #include "numbering.hpp"
 
+#include "base/robust.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -46,12 +48,13 @@ std::vector<Stretch> blocks_of(std::span<const Beat> beats, double period_s) {
   return blocks;
 }
 
-Resumed number_blocks(std::span<Beat> beats, const TypicalPeriod& typical, const BeatNoise& noise) {
+Resumed number_blocks(std::span<Beat> beats, const TypicalPeriod& typical, const BeatNoise& noise,
+                      double own_step_s = 0.0) {
   Resumed resumed;
   std::int64_t next_cycle = 0;
   for (const Stretch& block : blocks_of(beats, typical.mean_s)) {
     const std::span<Beat> part = beats.subspan(block.first, block.size());
-    Numbering numbering(part, typical, noise);
+    Numbering numbering(part, typical, noise, own_step_s);
     numbering.run();
     resumed.has_downward = resumed.has_downward || numbering.has_downward();
     const auto good = std::find_if(part.begin(), part.end(),
@@ -65,6 +68,25 @@ Resumed number_blocks(std::span<Beat> beats, const TypicalPeriod& typical, const
     next_cycle = part.back().cycle + 1;
   }
   return resumed;
+}
+
+// The size of a step of the times that recurs: pushes of the clock's own, once in many swings. 0 if
+// the beats were lost seldom, or by steps that differ.
+double recurring_step(std::span<const Beat> beats, std::span<const std::size_t> resumed,
+                      double period_s) {
+  constexpr std::size_t fewest = 8;
+  constexpr double most_scatter = 0.1; // of the step
+  std::vector<double> steps;
+  for (const std::size_t at : resumed) {
+    std::size_t before = at;
+    while (before > 0 && beats[--before].flag != BeatFlag::good) {
+    }
+    const double elapsed = beats[at].time - beats[before].time;
+    steps.push_back(elapsed - period_s * std::round(elapsed / period_s));
+  }
+  if (steps.size() < fewest) return 0.0;
+  const double usual = median(steps);
+  return robust_sigma(steps) < most_scatter * std::abs(usual) ? std::abs(usual) : 0.0;
 }
 
 // The noise found from a first numbering of a bounded sample. The sample is numbered in place, and
@@ -212,7 +234,9 @@ Beats number_beats(std::vector<Beat>&& events, const std::string& source,
   result.typical_period_s = typical.mean_s;
   result.scatter_s = typical.scatter_s;
   const BeatNoise sampled = sampled_noise(result.beats, typical);
-  const Resumed resumed = number_blocks(result.beats, typical, sampled);
+  Resumed resumed = number_blocks(result.beats, typical, sampled);
+  const double own_step_s = recurring_step(result.beats, resumed.at, typical.mean_s);
+  if (own_step_s > 0.0) resumed = number_blocks(result.beats, typical, sampled, own_step_s);
   SecondDifferences differences;
   add_runs(differences, result.beats, resumed.at);
   const BeatNoise noise = at_least_finest(differences.cautious_fit(), typical);

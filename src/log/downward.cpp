@@ -14,6 +14,11 @@ namespace goingrate {
 
 namespace {
 
+constexpr double widest_gate = 0.25;      // periods about the usual place: less than half-way to up
+constexpr double decisive_log_odds = 4.6; // a hundred to one
+constexpr double follow_share = 0.02; // over fifty cycles: a falling swing shifts the place slowly
+constexpr std::size_t fewest_misfits = 7; // in a row
+
 // Usual place of downward crossings, as a fraction of a period after the upward one.
 struct Middle {
   double at = 0.5;
@@ -82,34 +87,35 @@ private:
     beat.segment = beats_[up_].segment;
     // Where upward crossings are missing, the predicted place is less certain.
     const double allowed =
-        std::min(0.25, middle_.tolerance * std::sqrt(std::max(1.0, whole + 1.0)));
+        std::min(widest_gate, middle_.tolerance * std::sqrt(std::max(1.0, whole + 1.0)));
     if (std::abs(off) > allowed) return misfit(i, off);
     misfits_.clear();
     settle(i, off);
   }
 
   // Takes a downward crossing that fits. If there are two in one cycle, the one nearer to the usual
-  // place is kept; the other is a rival, or spurious if a hundred times less likely (exp 4.6), as
-  // with upward crossings.
+  // place is kept; the other is a rival, or spurious if a hundred times less likely, as with upward
+  // crossings.
   void settle(std::size_t i, double off) {
     beats_[i].flag = BeatFlag::down;
     if (down_ != none && beats_[down_].cycle == beats_[i].cycle) {
       const bool nearer = std::abs(off) < std::abs(off_);
       const double log_odds =
           0.5 * std::abs(off * off - off_ * off_) / (middle_.sigma * middle_.sigma);
-      beats_[nearer ? down_ : i].flag = log_odds < 4.6 ? BeatFlag::rival : BeatFlag::spurious;
+      beats_[nearer ? down_ : i].flag =
+          log_odds < decisive_log_odds ? BeatFlag::rival : BeatFlag::spurious;
       if (!nearer) return;
     }
     down_ = i;
     off_ = off;
-    middle_.at += 0.02 * off; // fifty cycles: a falling amplitude shifts the place slowly
+    middle_.at += follow_share * off;
   }
 
-  // Seven successive misfits that agree with each other mean that the beat error has changed.
+  // Successive misfits that agree with each other mean that the beat error has changed.
   void misfit(std::size_t i, double off) {
     beats_[i].flag = BeatFlag::spurious;
     misfits_.push_back({i, off});
-    if (misfits_.size() < 7) return;
+    if (misfits_.size() < fewest_misfits) return;
     const auto [low, high] =
         std::minmax_element(misfits_.begin(), misfits_.end(),
                             [](const Misfit& a, const Misfit& b) { return a.off < b.off; });

@@ -90,10 +90,10 @@ private:
   void add(const std::string& path, bool in_folder) {
     std::error_code ignored;
     if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored))
-      throw ArgumentError("log", path, "a regular file, where there are several");
-    if (path == "-") throw ArgumentError("log", path, "a file, where there are several");
+      throw ArgumentError("log", path, "a regular file, as every one of several logs");
+    if (path == "-") throw ArgumentError("log", path, "a file, as every one of several logs");
     if (!known_.insert(fs::weakly_canonical(path, ignored).string()).second)
-      throw ArgumentError("log", path, "named once, by itself or by its folder");
+      throw ArgumentError("log", path, "named only once: it is also named by itself or lies in a folder that is named");
     FilePart part;
     part.path = path;
     Open open{in_folder, nullptr};
@@ -226,7 +226,7 @@ private:
     if (kept.empty() && parts_.size() == 1) std::rethrow_exception(first);
     if (kept.empty())
       throw InputError({paths.front()},
-                       parts_.empty() ? "no file in it"
+                       parts_.empty() ? "an empty folder or archive"
                                       : fmt::format("{} files, none of them a log", parts_.size()),
                        "logs of a clock");
     parts_ = std::move(kept);

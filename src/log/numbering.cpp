@@ -16,6 +16,9 @@ constexpr double gate_floor = 0.01;
 // Successive periods of a swing that dies away from 140 degrees at Q = 300 differ by 1.5 %; the
 // start of the filter needs as much again.
 constexpr double course_floor = 0.03;
+// A beat after a step of the clock's own may be off by more than the step: the period is not known
+// well after a few beats.
+constexpr double step_reach = 1.5;
 // Never so wide that an event half-way between two beats could count as a beat.
 constexpr double gate_cap = 0.25;
 // After this many events in a row that fit no beat, the search for beats starts again. With one
@@ -33,17 +36,20 @@ constexpr double changed_period_share = 1e-3;
 
 } // namespace
 
-Numbering::Numbering(std::span<Beat> beats, const TypicalPeriod& typical, const BeatNoise& noise)
+Numbering::Numbering(std::span<Beat> beats, const TypicalPeriod& typical, const BeatNoise& noise,
+                     double own_step_s)
     : beats_(beats), period_(typical.mean_s),
       search_{.period_s = period_,
               // Six sigmas of a difference over twelve periods, at least 1.5 % (the typical period
               // may be off by a thousandth), at most so much that false events seldom agree.
-              .tolerance_s = std::clamp(6.0 * std::sqrt(2.0 * noise.jitter2 + 12.0 * noise.walk2),
-                                        (typical.has_a_course ? 0.05 : 0.015) * period_,
-                                        0.1 * period_),
+              .tolerance_s =
+                  std::clamp(6.0 * std::sqrt(2.0 * noise.jitter2 + 12.0 * noise.walk2),
+                             (typical.has_a_course ? 0.05 : 0.015) * period_, 0.1 * period_),
               .window = 12.5 * typical.mean_step,
               .absence = longest_absence(typical)},
-      floor_((typical.has_a_course ? course_floor : gate_floor) * period_), filter_(noise, typical.mean_s) {}
+      floor_(std::max((typical.has_a_course ? course_floor : gate_floor) * period_,
+                      step_reach * own_step_s)),
+      filter_(noise, typical.mean_s) {}
 
 std::size_t Numbering::next_up(std::size_t i) {
   for (; i < beats_.size() && !may_be_up(beats_[i]); ++i) {

@@ -19,7 +19,9 @@ inline double longest_absence(const TypicalPeriod& typical) { return 8.0 * typic
 /// never decrease.
 class Numbering {
 public:
-  Numbering(std::span<Beat> beats, const TypicalPeriod& typical, const BeatNoise& noise);
+  /// `own_step_s`: a step of the times that the clock makes again and again.
+  Numbering(std::span<Beat> beats, const TypicalPeriod& typical, const BeatNoise& noise,
+            double own_step_s);
 
   void run();
 

@@ -13,10 +13,6 @@
 
 namespace goingrate {
 
-namespace {
-
-} // namespace
-
 RowReader::RowReader(const Layout& layout, const ReadingOptions& options, ClockLog& log)
     : layout_(layout), log_(log), issues_(log, options.strict),
       unwrap_(unwrapping(layout, options.nominal_period_s)), time_(layout.find(ColumnRole::time)),

@@ -5,10 +5,12 @@
 #include "typical_period.hpp"
 
 #include "base/scaled_time.hpp"
+#include "base/special_values.hpp"
 
 #include <algorithm>
 #include <boost/math/special_functions/jacobi_elliptic.hpp>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 namespace goingrate {
@@ -41,8 +43,41 @@ double amplitude_passing(double angle, double late_s, double T0_s) {
   return amplitude;
 }
 
+// Passes swings on, less what the course of the period makes the second half shorter or longer than
+// the first: a quarter of the change from swing to swing, by the swings on both sides.
+template <class Take> class WithoutCourse {
+public:
+  explicit WithoutCourse(Take& take) : take_(take) {}
+  void add(const Swing& swing, double period_s) {
+    const bool follows = has_one_ && swing_.next == swing.up;
+    if (has_one_) pass(follows ? period_s : not_known);
+    before_s_ = follows ? period_s_ : not_known;
+    period_s_ = period_s;
+    swing_ = swing;
+    has_one_ = true;
+  }
+  void finish() {
+    if (has_one_) pass(not_known);
+  }
+
+private:
+  void pass(double after_s) {
+    const double from = std::isnan(before_s_) ? period_s_ : before_s_;
+    const double to = std::isnan(after_s) ? period_s_ : after_s;
+    const double swings = (std::isnan(before_s_) ? 0.0 : 1.0) + (std::isnan(after_s) ? 0.0 : 1.0);
+    if (swings > 0.0) swing_.late_s -= 0.25 * 0.25 * (to - from) / swings;
+    take_(swing_);
+  }
+
+  Take& take_;
+  Swing swing_{};
+  bool has_one_ = false;
+  double before_s_ = not_known, period_s_ = not_known; // of the swing before it, and of itself
+};
+
 // Passes each triple of an upward, a downward and the next upward crossing to `take`.
 template <class Take> void for_each_swing(std::span<const Beat> beats, Take take) {
+  WithoutCourse<Take> swings(take);
   std::size_t before = beats.size(), down = beats.size(); // none yet
   for (std::size_t i = 0; i < beats.size(); ++i) {
     const Beat& beat = beats[i];
@@ -55,11 +90,12 @@ template <class Take> void for_each_swing(std::span<const Beat> beats, Take take
         beat.segment == beats[before].segment) {
       const double right = beats[down].time - beats[before].time;
       const double left = beat.time - beats[down].time;
-      take(Swing{before, down, i, 0.25 * (left - right)});
+      swings.add(Swing{before, down, i, 0.25 * (left - right)}, left + right);
     }
     before = i;
     down = beats.size();
   }
+  swings.finish();
 }
 
 // Mean of the values within five robust standard deviations, and its standard error.

@@ -40,19 +40,36 @@ private:
   std::array<double, 4> size_{}; // what is left out is 1e-8 rad at 1 rad, 1e-5 at 2
 };
 
+/// What friction in proportion to the square of the speed takes from a sine at a phase u after its
+/// zero, beyond what linear friction takes that makes it decay as fast; in units of the decay over
+/// a radian. Before and after the zero x'' + x = -k x'^2 with x = A sin u has the part
+///   k A^2 (cos 2u/6 + cos u/3 - 1/2),   decay 4 k A/(3 pi),
+/// where x'' + x = -2 eps x' has -eps A u sin u, decay eps.
+inline double square_law_beyond_linear(double u) {
+  const double square = std::cos(2.0 * u) / 6.0 + std::cos(u) / 3.0 - 0.5;
+  return u * std::sin(u) + 0.75 * std::numbers::pi * square;
+}
+
 /// A swing about its passage through the middle, size * sine + middle, with a given shape.
 struct SwingShape {
   double w = 0.0, decay = 0.0; // rad/s; of its size, 1/s
   double side = 1.0;           // 1 where it rises, or -1
+  double quickening = 0.0;     // of w, rad/s^2: a smaller swing is faster
+  double square_share = 0.0;   // of the decay, by friction that grows as the square of the speed
+  double amplitude = 0.0;      // where that is known
   Overtones overtones{0.0};
   double root_s = 0.0; // where they are zero
 
   [[nodiscard]] double size(double t) const { return std::exp(-decay * t); }
+  [[nodiscard]] double phase(double t) const { return (w + 0.5 * quickening * t) * t; }
   [[nodiscard]] Eigen::Vector3d row(double t) const {
-    return {size(t) * std::cos(w * t), size(t) * std::sin(w * t), 1.0};
+    return {size(t) * std::cos(phase(t)), size(t) * std::sin(phase(t)), 1.0};
   }
   [[nodiscard]] double beside_the_sine(double t) const {
-    return side * size(t) * overtones.at(w * (t - root_s));
+    const double u = w * (t - root_s);
+    // The largest overtone goes with the third power of the size.
+    return side * (std::pow(size(t), 3) * overtones.at(u) +
+                   square_share * amplitude * decay / w * square_law_beyond_linear(u));
   }
   // Where the swing is at 0: near the zero of its sine, unless its middle is far from there.
   [[nodiscard]] double zero_of(const Eigen::Vector3d& terms, double from) const {

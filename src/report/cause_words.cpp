@@ -50,9 +50,10 @@ private:
                                                       : "friction grows, or the drive fades");
     case Cause::length_drift:
       return fmt::format("{}the rate {} by {} each day{}: most likely the pendulum's length "
-                         "drifts, as it does while a suspension stretches or a rod dries",
+                         "drifts, as it does while {}",
                          since(), falls_or_rises(), size(),
-                         sees_amplitude_ ? " and the swing does not follow" : "");
+                         sees_amplitude_ ? " and the swing does not follow" : "",
+                         numbers_.size < 0.0 ? "a suspension stretches" : "a wooden rod dries");
     case Cause::temperature:
       return fmt::format("the rate follows the temperature: it {} by {} per kelvin",
                          falls_or_rises(), size());

@@ -43,7 +43,7 @@ std::string error_budget_text(const ErrorBudget& budget, const std::vector<Requi
     text += fmt::format("  {:<52} {:<20} {}\n", named(one.key), value(one.key, one.present),
                         one.limit ? value(one.key, *one.limit) +
                                         (one.stops ? " (no steady swing beyond)" : "")
-                        : all <= most_s ? "none found"
+                        : all <= most_s ? "none in the range tried"
                                         : "not by this alone");
   if (all <= most_s) return text;
   const double share = budget.share_below(most_s);

@@ -203,9 +203,11 @@ std::string fit_text(const FitSummary& fit) {
   if (fit.decay) text += "[decay of the swing]\n" + decay_text(*fit.decay);
   if (fit.impulses)
     text += "[pushes]\n" + impulse_text(*fit.impulses, angle);
-  else if (!fit.decay && fit.model.escapement != Escapement::none)
-    text += "[pushes]\n  once in how many swings is undetermined: no saw-tooth stands out; what "
-            "is fitted is the mean drive\n";
+  else if (!fit.decay)
+    text += fmt::format("[pushes]\n  once in how many swings is undetermined: no saw-tooth stands out{}\n",
+                        fit.model.escapement == Escapement::none
+                            ? ""
+                            : "; what is fitted is the mean drive");
   text += experiment_lines(fit);
   if (const std::string lines = correlation_lines(fit); !lines.empty())
     text += "[correlations above 0.1]\n" + lines;

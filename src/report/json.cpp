@@ -128,8 +128,9 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
 namespace {
 
 Json impulse_object(const ImpulseCycle& pushes) {
-  const auto estimate = [](const ImpulseCycle::Estimate& e) {
-    return Json{{"value", json_number(e.value)}, {"sigma", json_number(e.sigma)}};
+  const auto estimate = [](const ImpulseCycle::Estimate& e) { // a sigma of 0: was not looked for
+    return e.sigma > 0.0 ? Json{{"value", json_number(e.value)}, {"sigma", json_number(e.sigma)}}
+                         : Json(nullptr);
   };
   return {{"periods", pushes.periods},
           {"regular", pushes.is_regular},

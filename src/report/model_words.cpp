@@ -33,13 +33,14 @@ std::string wander(const Analysis& data, bool told_a_change) {
       fit.events.empty() && told_a_change ? ", which absorbs the change" : "";
   const FittedParameter* slow = known(fit, "slow_rms");
   if (fit.model.slow)
-    return " with a drive that wanders slowly" +
-           (slow != nullptr ? fmt::format(", by {} rms", percent(*slow)) : "") + change;
+    return (slow != nullptr ? fmt::format(" with a drive that wanders slowly, by {} rms", percent(*slow))
+                            : " with a drive that may wander slowly") +
+           change;
   const FittedParameter* fast = known(fit, "drive_rms");
   if (fit.model.drive)
     return " with a drive that varies from period to period" +
            (data.drive.split || fast == nullptr ? "" : fmt::format(", by {} rms", percent(*fast)));
-  return fit.model.walk ? " with periods that vary by themselves, one by one" + change : "";
+  return fit.model.walk && known(fit, "walk_rms") != nullptr ? " with periods that vary by themselves, one by one" + change : "";
 }
 
 // "the friction ε, the driving torque μ or ...": the parameters without a row in the table.

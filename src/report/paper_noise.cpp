@@ -1,4 +1,4 @@
-// The statistics of sec. perst from a thousand runs with the driving noise at C.
+// The statistics of Sec. VI from a thousand runs with the driving noise at C.
 #include "paper_rates.hpp"
 
 #include "base/scaled_time.hpp"
@@ -68,17 +68,18 @@ double linear_variance(double n) {
 }
 
 // The secular psi_p - psi_m under noise of this size minus that without noise; the model has the
-// circular error of eq. ce3.
+// circular error of first order, lambda^2/16.
 Estimate added_by_noise(double rms, std::uint64_t seed) {
   const Phases exact = phases(Method::map, rms, compared_runs, seed);
   const Phases model = phases(Method::averaged1, rms, compared_runs, seed);
   const std::size_t from = memory_end / noted_every - 1;
-  const double took = two_pi * static_cast<double>(longest_run - memory_end);
+  const double scaled_time = two_pi * static_cast<double>(longest_run - memory_end);
   const double lambda = *stationary_amplitude(point_c());
   const double steady = exact_rate(point_c()) - first_order_rate(point_c()) -
                         (circular_error(lambda) + lambda * lambda / 16.0);
   const auto secular = [&](std::size_t i) {
-    return (exact[i].back() - model[i].back() - exact[i][from] + model[i][from]) / took - steady;
+    return (exact[i].back() - model[i].back() - exact[i][from] + model[i][from]) / scaled_time -
+           steady;
   };
   return mean_of(compared_runs, secular);
 }
@@ -102,8 +103,10 @@ NoiseStatistics noise_statistics(const PaperOptions& options) {
     return (std::pow(all[i].back() - mean.back(), 2) - std::pow(all[i][from] - mean[from], 2)) /
            static_cast<double>(longest_run - memory_end);
   });
-  const double exact = exact_rate(point_c()), took = two_pi * static_cast<double>(longest_run);
-  noise.mean_gain = mean_of(runs, [&](std::size_t i) { return all[i].back() / took - exact; });
+  const double exact = exact_rate(point_c()),
+               scaled_time = two_pi * static_cast<double>(longest_run);
+  noise.mean_gain =
+      mean_of(runs, [&](std::size_t i) { return all[i].back() / scaled_time - exact; });
   noise.by_noise = added_by_noise(drive_rms, options.seed);
   noise.by_half_the_noise = added_by_noise(0.5 * drive_rms, options.seed);
   return noise;
@@ -117,8 +120,8 @@ void add_noise_statistics(const NoiseStatistics& noise, std::vector<PaperNumber>
   numbers.push_back(
       {fmt::format("rms gain by the driving noise in {:.0f} periods, {} runs", n, noise.runs),
        "Sec. VI", "", gain(noise.linear.back(), n), ours, "",
-       "by the paper's equations for small noise, the start included: the first "
-       "700 periods answer with the fast gain",
+       "by the paper's equations for small noise, the start included: over the "
+       "first 700 periods the rate responds with the fast gain",
        ours / std::sqrt(2.0 * static_cast<double>(noise.runs - 1))});
   const double slow = drive_rms * std::abs(drive_response(point_c())->slow_gain);
   const double carried = gain(noise.growth.value * paper_periods, paper_periods);
@@ -126,13 +129,13 @@ void add_noise_statistics(const NoiseStatistics& noise, std::vector<PaperNumber>
       {"the same in the paper's 4.3e6 periods, from the growth of the variance", "Sec. VI", "~1e-8",
        slow / std::sqrt(paper_periods), carried, "",
        fmt::format("carried over, not run: the variance of ψp grows from {} to {} periods as it "
-                   "will go on. Theory: slow gain times 0.3/sqrt(N). The paper reads 0.04/4e6 off "
+                   "would go on. Theory: slow gain times 0.3/sqrt(N). The paper reads 0.04/4e6 off "
                    "one run, {:.1f} times our rms",
                    memory_end, longest_run, 0.04 / 4e6 / carried),
        0.5 * carried * noise.growth.sigma / noise.growth.value});
   numbers.push_back({"mean gain by that noise", "Sec. VI", "", not_known, noise.mean_gain.value, "",
-                     "the rate is no straight line in the drive; the paper does not part it from "
-                     "the rms",
+                     "the rate is not linear in the drive; the paper does not separate this gain "
+                     "from the rms",
                      noise.mean_gain.sigma});
   numbers.push_back(
       {fmt::format("what the noise adds to the secular ψp - ψm, {} runs", compared_runs), "Sec. VI",
@@ -145,8 +148,13 @@ void add_noise_statistics(const NoiseStatistics& noise, std::vector<PaperNumber>
 
 PaperFigure noise_figure(const NoiseStatistics& noise) {
   const DriveResponse response = *drive_response(point_c());
-  Series measured{
-      Series::Style::bars, "1000 runs, 95 %", noise.periods, noise.variance, {}, {}, blue};
+  Series measured{Series::Style::bars,
+                  fmt::format("{} runs, 95 %", noise.runs),
+                  noise.periods,
+                  noise.variance,
+                  {},
+                  {},
+                  blue};
   const double two_sigma = 1.96 * std::sqrt(2.0 / static_cast<double>(noise.runs - 1));
   for (const double v : noise.variance) {
     measured.low.push_back(v * (1.0 - two_sigma));

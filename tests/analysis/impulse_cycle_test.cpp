@@ -55,8 +55,8 @@ TEST(ImpulseCycleTest, CountsTheSwingsBetweenPushes) {
   }
 }
 
-// Under little noise every overtone of a saw-tooth is a line of its own, and may stand out more than
-// the pushes do.
+// Under little noise every overtone of a saw-tooth is a line of its own, and may stand out more
+// than the pushes do.
 TEST(ImpulseCycleTest, OvertonesOfPushesAreNoWheels) {
   for (const double angle : {-0.01, 0.005, 0.01}) {
     Scenario scenario = clock_with_rests(47, 3.5e-6);
@@ -219,6 +219,92 @@ TEST(ImpulseCycleTest, AFitOfAClockThatWaitsStatesNothing) {
     EXPECT_FALSE(std::isfinite(clock.fit.find(name)->sigma)) << name;
   for (const Suspicion& suspicion : clock.suspicions)
     EXPECT_NE(suspicion.cause, Cause::knock) << suspicion.evidence;
+}
+
+// The times of a Hipp have the overtones of a mean interval that is no whole number, as a train of
+// wheels would: the pushes are found, and what is left is the noise of the sensor.
+TEST(ImpulseCycleTest, PushesThatWaitAreFoundFromTimesAlone) {
+  Scenario scenario;
+  scenario.clock.nominal_period_s = 1.2;
+  scenario.clock.epsilon = 3e-4;
+  scenario.clock.escapement = Escapement::single_impulse;
+  scenario.clock.impulse = 4e-5;
+  scenario.clock.impulse_angle = 0.003;
+  scenario.periods = 8000;
+  scenario.sensor.jitter_rms_s = 1e-5;
+  for (const double below : {0.0275, 0.03}) {
+    scenario.clock.below = below;
+    const TimingData data = times_of(scenario, 1);
+    ASSERT_TRUE(data.impulses) << below;
+    EXPECT_FALSE(data.impulses->is_regular);
+    EXPECT_TRUE(data.wheels.empty());
+    const double mean = std::log1p(2.0 * 4e-5 / (below * below)) / (4.0 * std::numbers::pi * 3e-4);
+    EXPECT_NEAR(data.impulses->periods, mean, 1.0); // half a swing of overshoot on either side
+    double squares = 0.0; // of second differences, in which each time's noise is seen six-fold
+    for (std::size_t i = 1; i + 1 < data.size(); ++i)
+      squares +=
+          std::pow(data.lateness_s[i + 1] - 2.0 * data.lateness_s[i] + data.lateness_s[i - 1], 2);
+    const double noise = std::sqrt(squares / (6.0 * static_cast<double>(data.size() - 2)));
+    EXPECT_LT(noise, 1.3e-5); // the jitter is 1e-5; with the saw-tooth it is 1.7e-5 or more
+  }
+}
+
+// At the vertical the arm of a gravity escapement is half-way: that crossing belongs to the push.
+TEST(ImpulseCycleTest, APushThroughTheVerticalIsSeenInTwoSteps) {
+  Scenario scenario;
+  scenario.clock.nominal_period_s = 2.0;
+  scenario.clock.epsilon = 1e-4;
+  scenario.clock.escapement = Escapement::profile;
+  scenario.clock.rising.points = {
+      {-0.0031, 0.0}, {-0.003, 5.08e-3}, {0.003, 5.08e-3}, {0.0031, 0.0}};
+  scenario.clock.below = 0.035;
+  scenario.periods = 12'000;
+  scenario.sensor.jitter_rms_s = 5e-6;
+  scenario.sensor.amplitude_rms = 1e-5;
+  const TimingData data = times_of(scenario, 5);
+  ASSERT_TRUE(data.impulses && data.impulses->epsilon);
+  EXPECT_NEAR(data.impulses->epsilon->value, 1e-4, 4.0 * data.impulses->epsilon->sigma);
+  EXPECT_LT(data.impulses->epsilon->sigma, 1e-7);
+  // The half of the push that is done makes the crossing 0.17 ms early.
+  EXPECT_LT(data.impulses->middle.value, -100.0 * data.impulses->middle.sigma);
+}
+
+// A push after the crossing leaves that crossing alone, however sharp the log: between the pushes
+// the swing falls along an exponential, not along a straight line.
+TEST(ImpulseCycleTest, APushAfterTheCrossingIsNotInItsMidst) {
+  Scenario scenario;
+  scenario.clock.nominal_period_s = 1.5;
+  scenario.clock.epsilon = 1.1e-4;
+  scenario.clock.escapement = Escapement::single_impulse;
+  scenario.clock.impulse = 8.4e-5;
+  scenario.clock.impulse_angle = 0.007;
+  scenario.clock.every = 60;
+  scenario.periods = 20'000;
+  scenario.sensor.jitter_rms_s = 3e-6;
+  scenario.sensor.amplitude_rms = 1e-5;
+  for (const std::uint64_t seed : {71, 72, 73}) {
+    const TimingData data = times_of(scenario, seed);
+    ASSERT_TRUE(data.impulses && data.impulses->epsilon) << seed;
+    EXPECT_LT(std::abs(data.impulses->middle.value), 3e-6)
+        << seed; // the push sets it back by 1.6 ms
+    EXPECT_NEAR(data.impulses->epsilon->value, 1.1e-4, 4.0 * data.impulses->epsilon->sigma);
+    EXPECT_LT(data.impulses->epsilon->sigma, 3e-8); // 1.4e-8
+  }
+}
+
+// Each push sets this clock ahead by 16 ms in 2.5 s: that is no setting of the reference.
+TEST(ImpulseCycleTest, StepsThatRecurDoNotSplitTheLog) {
+  Scenario scenario;
+  scenario.clock = {2.5, 2.2e-4, 60.0 * 2.2e-5, 0.025};
+  scenario.clock.every = 60;
+  scenario.periods = 6000;
+  scenario.sensor.jitter_rms_s = 5e-6;
+  scenario.sensor.amplitude_rms = 2e-5;
+  const NumberedLog loaded = simulated(scenario, 3);
+  EXPECT_EQ(loaded.beats.segments, 1);
+  const TimingData data = fit_data(loaded);
+  ASSERT_TRUE(data.impulses);
+  EXPECT_EQ(data.impulses->periods, 60.0);
 }
 
 // Decays between pushes to a relative 1e-4: at 0.05 rad the amplitude alone makes 3e-4.

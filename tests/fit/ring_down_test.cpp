@@ -8,6 +8,8 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
+#include <numbers>
+#include <utility>
 
 namespace goingrate {
 namespace {
@@ -52,6 +54,50 @@ TEST(RingDownTest, IntervalsOnTheBoundsCover) {
       EXPECT_GT(in95, draws * 0.92 - 3.0 * std::sqrt(draws * 0.95 * 0.05)) << truth.transpose();
       EXPECT_LT(in68, draws * 0.9) << truth.transpose() << " by " << h.transpose();
     }
+}
+
+Scenario dry_ring_down(double T0_s, double dry, double swing, std::int64_t periods) {
+  Scenario scenario;
+  scenario.clock.nominal_period_s = T0_s;
+  scenario.clock.escapement = Escapement::none;
+  scenario.clock.epsilon = 0.0;
+  scenario.clock.dry_friction = dry;
+  scenario.start_amplitude = swing;
+  scenario.periods = periods;
+  scenario.sensor.jitter_rms_s = 1e-5;
+  return scenario;
+}
+
+// Linear friction may be none at all: held at the least that a clock has, it would leave errors of
+// a hundred sigma.
+TEST(RingDownTest, FrictionMayBeDryAlone) {
+  Scenario scenario = dry_ring_down(2.006, 3e-5, 0.15, 1000);
+  scenario.sensor.amplitude_rms = 1e-5;
+  const FitSummary fit =
+      fit_clock(timing_data(test::simulated_beats(scenario, 3)), 2.006, FitOptions{});
+  ASSERT_TRUE(fit.decay);
+  for (const auto& [name, truth] :
+       {std::pair{"T0", 2.006}, std::pair{"dry_friction", 3e-5}, std::pair{"lambda0", 0.15}}) {
+    const FittedParameter* found = fit.find(name);
+    ASSERT_NE(found, nullptr) << name;
+    EXPECT_NEAR(found->value, truth, 4.0 * found->sigma) << name;
+    EXPECT_LT(found->sigma, 1e-4 * truth) << name; // known to 4e-5 at worst
+  }
+}
+
+// First order, by which the search begins, stops so short a swing before the log ends.
+TEST(RingDownTest, AFewSwingsUnderDryFrictionTellTheirQ) {
+  const FitSummary fit =
+      fit_clock(timing_data(test::simulated_beats(dry_ring_down(1.2, 5.56e-4, 0.1, 30), 4)), 1.2,
+                FitOptions{});
+  EXPECT_EQ(fit.model.escapement, Escapement::none);
+  EXPECT_EQ(fit.dynamics, FitDynamics::map);
+  const FittedParameter* T0 = fit.find("T0");
+  EXPECT_NEAR(T0->value, 1.2, 4.0 * T0->sigma);
+  ASSERT_TRUE(fit.decay && std::isfinite(fit.decay->q.sigma));
+  // By dry friction, Q is pi A/(4 f).
+  const double q = std::numbers::pi * fit.decay->amplitude_rad / (4.0 * 5.56e-4);
+  EXPECT_NEAR(fit.decay->q.value, q, 4.0 * fit.decay->q.sigma);
 }
 
 TEST(RingDownTest, ADrivenClockHasNoDecay) {

@@ -158,6 +158,24 @@ TEST(AmplitudeTest, OffsetFromBothDirections) {
   EXPECT_NEAR(error->value, 4.0 * std::asin(4e-3 / 0.039086) * 2.0 / two_pi, 1e-4);
 }
 
+// Each half-period of a dying swing is shorter than the one before, here by 0.3 ms at first, whichever
+// side of the vertical it lies on.
+TEST(AmplitudeTest, ADyingSwingHasNoBeatError) {
+  Scenario scenario;
+  scenario.clock.escapement = Escapement::none;
+  scenario.clock.epsilon = 1.5e-3;
+  scenario.clock.quadratic_drag = 3e-3;
+  scenario.start_amplitude = 0.95;
+  scenario.periods = 60;
+  scenario.sensor.edges = SensorEdges::both;
+  scenario.sensor.jitter_rms_s = 1e-6;
+  const Beats beats = number_beats(read_simulated(scenario));
+  const auto error = beat_error(beats.beats);
+  ASSERT_TRUE(error);
+  EXPECT_LT(error->sigma, 2e-6);
+  EXPECT_NEAR(error->value, 0.0, 4.0 * error->sigma);
+}
+
 TEST(AmplitudeTest, HalfPeriodsGiveTheAmplitudeIfTheOffsetIsKnown) {
   Scenario scenario = test::jump_from_a_to_b(3000, 1e-6);
   scenario.sensor.edges = SensorEdges::both;

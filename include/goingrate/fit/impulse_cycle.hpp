@@ -18,6 +18,7 @@
 namespace goingrate {
 
 struct TimingData;
+struct Wheel;
 
 /// The pushes found in a log.
 struct ImpulseCycle {
@@ -50,6 +51,14 @@ struct ImpulseCycle {
 /// thousand logs (ImpulseCycleTest.NoiseShowsNoPushes). The coverage of the intervals of a step and
 /// of epsilon is printed by tests/studies/impulses.sh.
 std::optional<ImpulseCycle> find_impulse_cycle(const TimingData& data);
+
+/// Finds pushes that wait for the swing to fall and do not stand out one by one, from the lines of a
+/// spectrum: a saw-tooth whose mean interval need not be a whole number. A line that explains more
+/// than the saw-tooth is a wheel's. Each push is within a swing of its place by the mean interval,
+/// or was moved from there swing by swing. Logs of fewer than 200,000 cycles, waits of at most 60.
+/// ImpulseCycleTest.PushesThatWaitAreFoundFromTimesAlone
+std::optional<ImpulseCycle> find_waiting_pushes(const TimingData& data,
+                                                const std::vector<Wheel>& lines);
 
 /// Subtracts the saw-tooth from times and amplitudes. To first order, the result is a clock that is
 /// pushed equally in every swing.
