@@ -103,8 +103,8 @@ private:
 // The interval that explains most, near those of the strongest lines or few times as long.
 double likeliest_interval(const Sight& sight, std::span<const Wheel> lines, double T0_s) {
   constexpr std::size_t most_lines = 4, cycles = 20'000,
-                        bins = 64; // enough to tell one from another
-  constexpr double same = 0.003;   // relative: nearer intervals are looked at together
+                        bins = 64;       // enough to tell one from another
+  constexpr double merged_share = 0.003; // of one interval: nearer intervals are looked at together
   double best = 0.0, score = 0.0;
   std::vector<double> looked_at;
   for (const Wheel& line : lines.first(std::min(most_lines, lines.size())))
@@ -114,7 +114,7 @@ double likeliest_interval(const Sight& sight, std::span<const Wheel> lines, doub
       if (near < 2.0 || near > longest_looked_at ||
           fewest > static_cast<double>(sight.late.size()) ||
           std::any_of(looked_at.begin(), looked_at.end(),
-                      [&](double other) { return std::abs(other / near - 1.0) < same; }))
+                      [&](double other) { return std::abs(other / near - 1.0) < merged_share; }))
         continue;
       looked_at.push_back(near);
       const WaitingSearch search(sight, near, cycles, bins);

@@ -55,14 +55,15 @@ Middle typical_middle(std::span<const Beat> beats, double period_s) {
 class DownwardNumbering {
 public:
   DownwardNumbering(std::span<Beat> beats, double period_s)
-      : beats_(beats), period_(period_s), middle_(typical_middle(beats, period_s)) {
+      : beats_(beats), period_(period_s), swing_s_(period_s),
+        middle_(typical_middle(beats, period_s)) {
     for (std::size_t i = 0; i < beats.size() && up_ == none; ++i)
       if (beats[i].flag == BeatFlag::good) up_ = i;
   }
 
   void run() {
     for (std::size_t i = 0; i < beats_.size() && up_ != none; ++i) {
-      if (beats_[i].flag == BeatFlag::good) up_ = i;
+      if (beats_[i].flag == BeatFlag::good) begin_swing(i);
       const bool bounces = beats_[i].flag == BeatFlag::bounce;
       if (!bounces) edge_ = i;
       if (beats_[i].edge == Edge::down && !bounces) place(i);
@@ -78,9 +79,23 @@ public:
 private:
   static constexpr std::size_t none = static_cast<std::size_t>(-1);
 
+  // The swings of a ring-down from a wide angle begin some per cent longer than the usual one.
+  void begin_swing(std::size_t i) {
+    constexpr double largest_difference = 0.1; // of the period: beyond, the times were displaced
+    up_ = i;
+    swing_s_ = period_;
+    std::size_t next = i + 1;
+    while (next < beats_.size() && beats_[next].flag != BeatFlag::good)
+      ++next;
+    if (next == beats_.size()) return;
+    const double swing_s = (beats_[next].time - beats_[i].time) /
+                           static_cast<double>(beats_[next].cycle - beats_[i].cycle);
+    if (std::abs(swing_s / period_ - 1.0) < largest_difference) swing_s_ = swing_s;
+  }
+
   void place(std::size_t i) {
     Beat& beat = beats_[i];
-    const double since = (beat.time - beats_[up_].time) / period_ - middle_.at;
+    const double since = (beat.time - beats_[up_].time) / swing_s_ - middle_.at;
     const double whole = std::round(since);
     const double off = since - whole;
     beat.cycle = beats_[up_].cycle + static_cast<std::int64_t>(std::clamp(whole, -1e15, 1e15));
@@ -135,7 +150,8 @@ private:
   };
 
   std::span<Beat> beats_;
-  double period_;
+  double period_;  // the usual one
+  double swing_s_; // of the swing at hand
   Middle middle_;
   std::size_t up_ = none, down_ = none; // the last upward and downward crossings
   std::size_t edge_ = none;             // the last event that is not a bounce

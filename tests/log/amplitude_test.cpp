@@ -170,6 +170,7 @@ TEST(AmplitudeTest, ADyingSwingHasNoBeatError) {
   scenario.sensor.edges = SensorEdges::both;
   scenario.sensor.jitter_rms_s = 1e-6;
   const Beats beats = number_beats(read_simulated(scenario));
+  EXPECT_EQ(beats.spurious, 0); // the first swings are 3 % longer than the usual one
   const auto error = beat_error(beats.beats);
   ASSERT_TRUE(error);
   EXPECT_LT(error->sigma, 2e-6);
