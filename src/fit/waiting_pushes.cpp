@@ -100,6 +100,29 @@ private:
   Waits place_{0.0, 0.0};
 };
 
+// Whether two lines or more belong to the interval and fall with their order no faster than those
+// of a saw-tooth, or of a hump, in proportion to its square. A wheel that is not round has one
+// line, and weak overtones at most.
+bool has_overtones(double periods, std::span<const Wheel> lines, double T0_s) {
+  constexpr double tolerance = 0.02;  // turns
+  constexpr double least_share = 0.4; // of the strongest line's size times its order
+  double strongest = 0.0, strongest_order = 0.0;
+  const auto each = [&](auto take) {
+    for (const Wheel& line : lines) {
+      const double turns = periods * T0_s / line.turn_s, order = std::round(turns);
+      if (order >= 1.0 && std::abs(turns - order) < tolerance) take(order, order * line.late_s);
+    }
+  };
+  each([&](double order, double size) {
+    if (size > strongest) strongest = size, strongest_order = order;
+  });
+  bool found = false;
+  each([&](double order, double size) {
+    found = found || (order != strongest_order && size > least_share * strongest);
+  });
+  return found;
+}
+
 // The interval that explains most, near those of the strongest lines or few times as long.
 double likeliest_interval(const Sight& sight, std::span<const Wheel> lines, double T0_s) {
   constexpr std::size_t most_lines = 4, cycles = 20'000,
@@ -243,7 +266,8 @@ std::optional<ImpulseCycle> find_waiting_pushes(const TimingData& data,
   const Sight sight = seen(data, searched_cycles);
   if (lines.empty() || sight.late.size() == searched_cycles) return {};
   const double near = likeliest_interval(sight, lines, data.reference_period_s);
-  if (near == 0.0 || near > longest_wait) return {};
+  if (near == 0.0 || near > longest_wait || !has_overtones(near, lines, data.reference_period_s))
+    return {};
   // Places to a quarter of a swing at both ends of the log, near each line.
   const double places = std::pow(bins_per_swing * near, 2) * static_cast<double>(lines.size());
   auto best = waiting_candidate(sight, near, 2.0 * std::log(places));
@@ -251,10 +275,7 @@ std::optional<ImpulseCycle> find_waiting_pushes(const TimingData& data,
   for (const Wheel& line : lines)
     sine = std::max(sine, squares_of(sight, line));
   if (!best || best->pushes.gain < least_gain || best->squares < sine) return {};
-  if (sight.has_swing()) {
-    if (!(best->pushes.amplitude_step->value > 0.0)) return {};
-    best->pushes.epsilon = friction_between(sight.amplitude, best->pushes.cycles);
-  }
+  if (sight.has_swing() && !(best->pushes.amplitude_step->value > 0.0)) return {};
   return std::move(best->pushes);
 }
 

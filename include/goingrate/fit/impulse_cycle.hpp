@@ -55,7 +55,8 @@ std::optional<ImpulseCycle> find_impulse_cycle(const TimingData& data);
 /// Finds pushes that wait for the swing to fall and do not stand out one by one, from the lines of a
 /// spectrum: a saw-tooth whose mean interval need not be a whole number. A line that explains more
 /// than the saw-tooth is a wheel's. Each push is within a swing of its place by the mean interval,
-/// or was moved from there swing by swing. Logs of fewer than 200,000 cycles, waits of at most 60.
+/// or was moved from there swing by swing. Logs of fewer than 200,000 cycles, waits of at most 60, two
+/// overtones or more among the lines. The friction is left open.
 /// ImpulseCycleTest.PushesThatWaitAreFoundFromTimesAlone
 std::optional<ImpulseCycle> find_waiting_pushes(const TimingData& data,
                                                 const std::vector<Wheel>& lines);
