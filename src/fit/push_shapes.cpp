@@ -113,14 +113,14 @@ Shapes shapes_at(const std::vector<double>& pushes, double periods, double cycle
 
 namespace {
 
-// The level of stairs in the midst of an interval, if every step comes as late as the others on
-// average: their middles lie on it.
+// The mean height, within interval j, of stairs that rise by 1 at each push and fall by 1 in
+// `periods` crossings.
 double level_of(const std::vector<double>& pushes, double periods, std::size_t j) {
   return static_cast<double>(j) - 0.5 * (pushes[j - 1] + pushes[j] + 1.0) / periods;
 }
 
-// The level of the stairs at a crossing within interval j, which wanders as the pushes do: a line
-// through means over many intervals.
+// The level of these stairs, which wanders as the pushes do: a line through means over many
+// intervals.
 class Level {
 public:
   Level(const std::vector<double>& pushes, double periods) : pushes_(pushes) {

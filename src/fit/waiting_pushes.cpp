@@ -25,9 +25,9 @@ constexpr double longest_wait = 60.0;       // periods
 constexpr double longest_looked_at = 300.0; // periods: what is found may be an overtone of these
 constexpr double bins_per_swing = 4.0;
 
+/// The j-th push comes first + j periods after the first cycle, rounded down.
 struct Waits {
-  double periods,
-      first; // the j-th push comes first + j periods after the first cycle, rounded down
+  double periods, first;
 };
 
 std::vector<double> pushes_after(const Waits& waits, double last) {

@@ -13,7 +13,9 @@ namespace goingrate {
 
 namespace {
 
-bool earlier(const SensedEvent& a, const SensedEvent& b) { return a.beat.time < b.beat.time; }
+bool is_sensed_before(const SensedEvent& a, const SensedEvent& b) {
+  return a.beat.time < b.beat.time;
+}
 
 // The factor by which the drive of a period was multiplied.
 double factor_of(const ClockParameters& clock, double mu) {
@@ -80,7 +82,7 @@ std::vector<SensedEvent> Sensor::take(bool at_end) {
   const double early_s = pending_ ? 0.25 * pending_->period_s : 0.0;
   const double certain_s =
       latest_crossing_s_ - 40.0 * settings_.jitter_rms_s - settings_.resolution_s - early_s;
-  std::stable_sort(events_.begin(), events_.end(), earlier);
+  std::stable_sort(events_.begin(), events_.end(), is_sensed_before);
   const auto end =
       at_end ? events_.end() : std::find_if(events_.begin(), events_.end(), [&](const auto& e) {
         return e.beat.time.to_double() >= certain_s;
