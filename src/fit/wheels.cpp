@@ -16,11 +16,11 @@ namespace {
 
 // Part of a log on a grid of its usual spacing. Values between beats, and unknown values, are
 // interpolated linearly between their known neighbours.
-class Grid {
+class EvenGrid {
 public:
-  Grid(std::span<const double> cycle, double spacing) : cycle_(cycle), spacing_(spacing) {}
+  EvenGrid(std::span<const double> cycle, double spacing) : cycle_(cycle), spacing_(spacing) {}
 
-  /// Grid steps from the first beat to beat i; not a whole number where the log leaves the grid.
+  /// EvenGrid steps from the first beat to beat i; not a whole number where the log leaves the grid.
   [[nodiscard]] double place(std::size_t i) const { return (cycle_[i] - cycle_[0]) / spacing_; }
 
   /// Empty if fewer than two values are known, or most of the grid lies in gaps.
@@ -92,7 +92,7 @@ void level_wheels(TimingData& data) {
   const double least_late_s = 3.0 * timing_model::least_jitter(data);
   for (std::size_t from = 0; from < data.size(); from += block_beats) {
     const std::size_t count = std::min(block_beats, data.size() - from);
-    const Grid grid(std::span(data.cycle).subspan(from, count), spacing);
+    const EvenGrid grid(std::span(data.cycle).subspan(from, count), spacing);
     const auto level = [&](std::vector<double>& values, std::vector<double>& taken, double least,
                            double Wheel::*size) {
       const auto part = std::span(values).subspan(from, count);
