@@ -146,6 +146,8 @@ void look_at_stop(const DiagnosisInput& input, std::vector<Suspicion>& all) {
 void look_at_displacements(const DiagnosisInput& input, const std::vector<Displacement>& found,
                            std::vector<Suspicion>& all) {
   if (found.empty()) return;
+  // Pushes that wait for the swing and vary displace the times by themselves.
+  if (const auto& pushes = input.data->impulses; pushes && !pushes->is_regular) return;
   const Displacement& first = found.front();
   double gain = 0.0;
   for (const Displacement& d : found)
