@@ -93,7 +93,8 @@ private:
       throw ArgumentError("log", path, "a regular file, as every one of several logs");
     if (path == "-") throw ArgumentError("log", path, "a file, as every one of several logs");
     if (!known_.insert(fs::weakly_canonical(path, ignored).string()).second)
-      throw ArgumentError("log", path, "named only once: it is also named by itself or lies in a folder that is named");
+      throw ArgumentError("log", path,
+                          "named only once: it is named twice, or lies in a folder that is named");
     FilePart part;
     part.path = path;
     Open open{in_folder, nullptr};

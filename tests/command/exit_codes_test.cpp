@@ -23,7 +23,7 @@ TEST_F(CommandTest, UnusableInputIsExitThreeWithFileLineAndColumn) {
              {"binary.log", "binary.log:1:1: "},
              {"words.log", "words.log:1:1: "},
              {"absent.log", "absent.log: "},
-             {"folder", "folder: found no file"},
+             {"folder", "folder: found an empty folder"},
              {".", "./one.log:1:1: "}}) { // the only log in it
       const Outcome outcome = run(fmt::format("{} {}", command, file));
       EXPECT_EQ(outcome.code, 3) << command << " " << file << outcome.err;

@@ -208,7 +208,7 @@ std::vector<Malformed> options() {
       {"UnknownKind", "stability bad.log --kind sdev -o out.csv", good, 2,
        "found sdev, expected one of adev"},
       {"NoLog", "rate -o out.csv", good, 2, "LOG is missing"},
-      {"OneLogTwice", rate("bad.log"), good, 2, "log = 'bad.log': must be named once, by itself or by its folder"},
+      {"OneLogTwice", rate("bad.log"), good, 2, "log = 'bad.log': must be named only once: it"},
       {"UnknownCommand", "tick bad.log", good, 2,
        "'tick' is not a command (goingrate --help lists them)"},
       {"MisspeltCommand", "reprot bad.log", good, 2, "(did you mean report?)"},
