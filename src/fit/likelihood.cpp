@@ -65,8 +65,10 @@ T less_correction(T value, const std::vector<double>& there,
                   std::span<const T> x, std::size_t i) {
   assert(there.empty() || i < there.size());
   if (!there.empty()) value -= there[i];
-  for (std::size_t k = 0; k < slopes.size(); ++k)
+  for (std::size_t k = 0; k < slopes.size(); ++k) {
+    assert(i < slopes[k].size());
     value -= (x[k] - at[k]) * slopes[k][i];
+  }
   return value;
 }
 template <class T>

@@ -47,16 +47,20 @@ std::optional<double> by_its_own(FitDynamics dynamics, Fitted& fitted) {
 }
 
 // The slopes of corrections, computed again if the search has moved: they are differences of many
-// runs, and change no more than the parameters do.
+// runs, and change no more than the parameters do. Also if a condensed log has given way to all
+// beats, of which each has a slope.
 class SlopesNearby {
 public:
   void put_into(Fitted& fitted, FitDynamics dynamics) {
     constexpr double trusted_distance = 0.01; // of a coordinate: corrections are small themselves
     const std::vector<double>& x = fitted.minimum.x;
     const auto moves_far = [](double a, double b) { return std::abs(a - b) > trusted_distance; };
-    if (!slopes_ || !std::equal(x.begin(), x.end(), taken_at_.begin(), std::not_fn(moves_far))) {
+    const std::size_t places = fitted.problem.asked().size();
+    if (!slopes_ || places != places_ ||
+        !std::equal(x.begin(), x.end(), taken_at_.begin(), std::not_fn(moves_far))) {
       slopes_ = slopes_of_difference(dynamics, fitted.problem, x);
       taken_at_ = x;
+      places_ = places;
     }
     if (!slopes_) return;
     fitted.problem.correction.slopes = *slopes_;
@@ -65,6 +69,7 @@ public:
 
 private:
   std::vector<double> taken_at_;
+  std::size_t places_ = 0;
   std::optional<Correction::Slopes> slopes_;
 };
 

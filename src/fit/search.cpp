@@ -87,9 +87,9 @@ public:
     r.setZero();
     if (jacobian == nullptr || jacobian[0] == nullptr) {
       const auto value = value_at(x);
-      if (!value || !(*value + offset_ >= 0.0)) return false;
+      if (!value) return false;
       r[n] = std::sqrt(2.0 * (*value + offset_));
-      return std::isfinite(r[n]); // Ceres would write to stderr
+      return std::isfinite(r[n]); // if not, Ceres would write to stderr
     }
     if (last_.x != x) last_ = {x, evaluate(problem_, x)};
     const std::optional<Evaluation>& evaluation = last_.evaluation;
