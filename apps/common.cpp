@@ -349,11 +349,16 @@ LoadRequest load_request(const LogOptions& options) {
 
 NumberedLog load(const LogOptions& options, const GlobalOptions& global) {
   LoadRequest request = load_request(options);
+  request.part_events = request.most_beats = most_events_at_once;
+  return load(std::move(request), global);
+}
+
+NumberedLog load(LoadRequest request, const GlobalOptions& global, const LogVisitor& visit) {
   NumberedLog loaded;
   {
     ProgressBar bar(global.quiet, "reading " + request.path);
     request.reading.progress = std::ref(bar);
-    loaded = goingrate::load(request);
+    loaded = goingrate::load(request, visit);
   }
   name_options(loaded.log.assumptions);
   tell_about(loaded, global);

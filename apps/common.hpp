@@ -69,8 +69,14 @@ std::string words_for(const LineIssue& issue, const ClockLog& log);
 /// What the options ask of load().
 LoadRequest load_request(const LogOptions& options);
 
+/// A year of a seconds pendulum, which takes 0.7 GB, and 5 GB to analyse. A longer log is read in
+/// parts.
+inline constexpr std::size_t most_events_at_once = 1 << 24;
+
 /// Reads and numbers the log; says on standard error what was assumed and what was wrong.
 NumberedLog load(const LogOptions& options, const GlobalOptions& global);
+/// The same for a request that is made of options and changed.
+NumberedLog load(LoadRequest request, const GlobalOptions& global, const LogVisitor& visit = {});
 
 /// Appends to each assumption the option that says otherwise.
 void name_options(std::vector<Assumption>& assumptions);

@@ -10,7 +10,9 @@
 #include "goingrate/report/tables.hpp"
 
 #include <memory>
+#include <optional>
 #include <sstream>
+#include <utility>
 
 namespace goingrate::apps {
 
@@ -27,22 +29,49 @@ struct RateOptions {
   double alarm_s = 0.0;
 };
 
-// The table grows on disk, not in memory.
-void write_table(StreamedFile& file, const RateOptions& options, const NumberedLog& loaded) {
-  if (!file.wanted()) return;
-  if (options.block_s > 0.0) {
-    file.text() =
-        block_table(block_rates(loaded.beats.beats, loaded.nominal_period_s, options.block_s));
-    return;
+// Writes the rows of each part of a log as soon as they are known: the table grows on disk, not in
+// memory.
+class TableWriter {
+public:
+  TableWriter(std::string path, const RateOptions& options)
+      : path_(std::move(path)), options_(options) {}
+
+  void add(const LogPart& part) {
+    StreamedFile& file = this->file();
+    if (!file.wanted()) return;
+    const NumberedLog& log = part.log;
+    if (!table_) {
+      table_.emplace(RateTable::Options{log.nominal_period_s, log.log.has_amplitude,
+                                        options_.running_cycles, log.beats.step,
+                                        log.sensor.gravity_share},
+                     log.log.columns, log.beats.gaps);
+      file.text() = table_->header();
+    }
+    table_->go_on(log.log.columns, log.beats.gaps);
+    for (std::size_t i = part.first; i < part.end; ++i) {
+      table_->append(file.text(), log.beats.beats[i], i);
+      file.flush_if_large();
+    }
   }
-  RateTable table({loaded.nominal_period_s, loaded.log.has_amplitude, options.running_cycles,
-                   loaded.beats.step, loaded.sensor.gravity_share},
-                  loaded.log.columns, loaded.beats.gaps);
-  file.text() = table.header();
-  for (std::size_t i = 0; i < loaded.beats.beats.size(); ++i) {
-    table.append(file.text(), loaded.beats.beats[i], i);
-    file.flush_if_large();
+
+  // Opened when it is first asked for: by then it is known which files are read, and it cannot be
+  // one of them.
+  StreamedFile& file() {
+    if (!file_) file_.emplace(path_);
+    return *file_;
   }
+
+private:
+  std::string path_;
+  const RateOptions& options_;
+  std::optional<StreamedFile> file_;
+  std::optional<RateTable> table_;
+};
+
+// Whether something is asked for that needs all beats at once.
+bool needs_all_beats(const RateOptions& options) {
+  return options.block_s > 0.0 || !options.native.empty() || !options.phase.empty() ||
+         !options.ticc.empty() || !options.plot.empty();
 }
 
 // Decimals enough to lose nothing of times as loggers write them.
@@ -73,17 +102,28 @@ void write_others(std::vector<StreamedFile>& files, const RateOptions& options, 
 
 void run(const RateOptions& options, const GlobalOptions& global) {
   if (options.follow) return follow(options.log, options.alarm_s, global);
-  NumberedLog loaded = load(options.log, global);
-  const RateSummary summary = mean_rate(loaded);
   bool elsewhere = false; // standard output has another result
   for (const std::string& path :
        {options.json, options.phase, options.par, options.ticc, options.native})
     elsewhere = elsewhere || path == "-";
   const std::string table = table_output(options.output, elsewhere ? "-" : "");
+  LoadRequest request = load_request(options.log);
+  if (!needs_all_beats(options)) {
+    constexpr std::size_t most_for_a_mean = 1 << 20; // tell a mean rate as well as all do
+    request.part_events = most_events_at_once;
+    request.most_beats = most_for_a_mean;
+  }
+  TableWriter rows(table, options);
+  LogVisitor visit;
+  if (!(options.block_s > 0.0)) visit = [&](const LogPart& part) { rows.add(part); };
+  NumberedLog loaded = load(std::move(request), global, visit);
+  const RateSummary summary = mean_rate(loaded);
+  if (options.block_s > 0.0 && rows.file().wanted())
+    rows.file().text() =
+        block_table(block_rates(loaded.beats.beats, loaded.nominal_period_s, options.block_s));
   std::vector<StreamedFile> files;
   write_others(files, options, loaded, summary);
-  files.emplace_back(table);
-  write_table(files.back(), options, loaded);
+  files.push_back(std::move(rows.file()));
   commit_all(files);
   std::istringstream text(rate_text(loaded.beats, summary, loaded.sensor,
                                     !loaded.log.grid || loaded.log.nominal_period_s));

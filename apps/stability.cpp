@@ -4,6 +4,7 @@
 
 #include "base/spelling.hpp"
 
+#include "goingrate/analysis/phases.hpp"
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/report/json.hpp"
 #include "goingrate/report/tables.hpp"
@@ -12,6 +13,7 @@
 #include <fmt/format.h>
 #include <memory>
 #include <optional>
+#include <utility>
 
 namespace goingrate::apps {
 
@@ -39,10 +41,15 @@ LogOptions log_of(const StabilityCommand& options) {
   return log;
 }
 
-PhaseSeries phase_of(const StabilityCommand& options, const NumberedLog& loaded) {
-  PhaseSeries series = phase_series(loaded);
-  if (options.log.tau0_s > 0.0) series.tau0_s = options.log.tau0_s;
-  return series;
+PhaseSeries load_phases(const StabilityCommand& options, const GlobalOptions& global) {
+  LoadRequest request = load_request(log_of(options));
+  constexpr std::size_t part_events = 1 << 22, most_beats = 1 << 10; // the beats are not needed
+  request.part_events = part_events;
+  request.most_beats = most_beats;
+  PhaseCollector phases;
+  NumberedLog loaded =
+      load(std::move(request), global, [&](const LogPart& part) { phases.add(part); });
+  return phases.series(std::move(loaded));
 }
 
 const std::vector<std::string> words_for_taus{"octave", "decade", "all"};
@@ -77,8 +84,8 @@ std::string plot_of(const StabilityCommand& options, const DeviationTable& table
   return plotted(options.plot, figures_named(data, {"deviation"}));
 }
 
-DeviationTable table_of(const StabilityCommand& options, const NumberedLog& loaded) {
-  const PhaseSeries phase = phase_of(options, loaded);
+DeviationTable table_of(const StabilityCommand& options, PhaseSeries phase) {
+  if (options.log.tau0_s > 0.0) phase.tau0_s = options.log.tau0_s;
   const DeviationKind kind = *deviation_named(options.kind);
   const auto factors = factors_of(options.taus, phase.phase_s.size(), phase.tau0_s, kind);
   return stability_table(kind, phase.phase_s, phase.tau0_s, factors,
@@ -86,7 +93,7 @@ DeviationTable table_of(const StabilityCommand& options, const NumberedLog& load
 }
 
 void run(const StabilityCommand& options, const GlobalOptions& global) {
-  const DeviationTable table = table_of(options, load(log_of(options), global));
+  const DeviationTable table = table_of(options, load_phases(options, global));
   const std::string text = deviation_text(table) + deviation_findings(table);
   write_whole_files({{options.json, stability_json(table)},
                      {options.plot, plot_of(options, table)},
@@ -130,7 +137,7 @@ Job add_stability_job(CLI::App& command) {
   return {[options] { return log_of(*options); },
           [options](NumberedLog loaded) {
             JobOutcome outcome;
-            outcome.result = stability_json(table_of(*options, loaded));
+            outcome.result = stability_json(table_of(*options, phase_series(std::move(loaded))));
             return outcome;
           }};
 }

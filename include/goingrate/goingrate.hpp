@@ -10,6 +10,7 @@
 #include "goingrate/analysis/fit_request.hpp"
 #include "goingrate/analysis/load.hpp"
 #include "goingrate/analysis/logbook_check.hpp"
+#include "goingrate/analysis/phases.hpp"
 #include "goingrate/analysis/simulated_logs.hpp"
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"

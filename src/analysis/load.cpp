@@ -1,8 +1,9 @@
-#include "goingrate/analysis/load.hpp"
+#include "loading.hpp"
 
 #include "base/readable.hpp"
 #include "base/time_grain.hpp"
 #include "log/typical_period.hpp"
+#include "sound/recording.hpp"
 #include "log/unused_options.hpp"
 #include "log/usual_step.hpp"
 
@@ -15,6 +16,7 @@
 #include <fmt/format.h>
 #include <functional>
 #include <limits>
+#include <utility>
 
 namespace goingrate {
 
@@ -39,8 +41,9 @@ public:
     else
       number_events();
     if (request_.phases_will_do && loaded_.log.grid) return std::move(loaded_);
-    choose_good();
-    loaded_.sensor.amplitude = summarise_amplitudes(loaded_.good);
+    choose_good(loaded_);
+    if (loaded_.log.has_amplitude)
+      loaded_.sensor.amplitude = summarise_amplitudes(loaded_.good);
     refuse_if_numbered_wrong();
     say_if_times_are_coarse();
     say_if_every_second_is_missing();
@@ -305,7 +308,7 @@ private:
   void use_sensor_offset() {
     ClockLog& log = loaded_.log;
     auto& beats = loaded_.beats.beats;
-    loaded_.sensor.beat_error_s = beat_error(beats);
+    if (loaded_.beats.has_downward) loaded_.sensor.beat_error_s = beat_error(beats);
     loaded_.sensor.sides_are_unknown = log.sound.has_value();
     if (loaded_.sensor.beat_error_s && log.sound)
       loaded_.sensor.beat_error_s->sigma =
@@ -325,16 +328,6 @@ private:
       move_to_vertical(moved, offset, offset, loaded_.nominal_period_s);
     });
     loaded_.sensor.at_vertical = true;
-  }
-
-  // Selects the good beats of the longest segment, without a copy where every event is good.
-  void choose_good() {
-    const auto& beats = loaded_.beats.beats;
-    const bool all = loaded_.beats.segments == 1 &&
-                     std::all_of(beats.begin(), beats.end(),
-                                 [](const Beat& beat) { return beat.flag == BeatFlag::good; });
-    if (!all) loaded_.chosen = loaded_.beats.longest_segment();
-    loaded_.good = all ? std::span<const Beat>(beats) : std::span<const Beat>(loaded_.chosen);
   }
 
   const LoadRequest& request_;
@@ -378,11 +371,35 @@ template <class Load> NumberedLog or_what_can_be_read(const LoadRequest& request
 
 } // namespace
 
-NumberedLog load(const LoadRequest& request) {
+void choose_good(NumberedLog& loaded) {
+  const Beats& numbers = loaded.beats;
+  const std::vector<Beat>& beats = numbers.beats;
+  const auto is_good = [](const Beat& beat) { return beat.flag == BeatFlag::good; };
+  const bool no_faults = numbers.spurious + numbers.rivals + numbers.bounces == 0;
+  const bool all = numbers.segments == 1 &&
+                   ((no_faults && !numbers.has_downward) ||
+                    std::all_of(beats.begin(), beats.end(), is_good));
+  if (!all) loaded.chosen = loaded.beats.longest_segment();
+  loaded.good = all ? std::span<const Beat>(beats) : std::span<const Beat>(loaded.chosen);
+}
+
+NumberedLog loaded_from(ClockLog log, const LoadRequest& request) {
+  return Loading(std::move(log), request).run();
+}
+
+NumberedLog load(const LoadRequest& request, const LogVisitor& visit) {
   std::vector<std::string> paths{request.path};
   paths.insert(paths.end(), request.more.begin(), request.more.end());
-  const auto load_as = [&](const LoadRequest& as) {
-    return Loading(read_log_files(paths, as.reading), as).run();
+  const bool is_one = paths.size() == 1 && !std::filesystem::is_directory(request.path);
+  const LogVisitor nobody;
+  bool is_first = true; // others are only tried
+  const auto load_as = [&](LoadRequest as) {
+    const LogVisitor& visitor = std::exchange(is_first, false) ? visit : nobody;
+    as.reading.phases_alone = is_one && as.phases_will_do;
+    if (is_one && !is_sound_on_disk(as.path)) return load_in_parts(as, visitor);
+    NumberedLog whole = loaded_from(read_log_files(paths, as.reading), as);
+    if (visitor) visitor({whole, 0, whole.beats.beats.size(), 0});
+    return whole;
   };
   const bool can_be_read_again = std::all_of(paths.begin(), paths.end(), [](const auto& path) {
     return std::filesystem::is_regular_file(path);
@@ -391,8 +408,9 @@ NumberedLog load(const LoadRequest& request) {
 }
 
 NumberedLog load_text(std::string_view text, const LoadRequest& request) {
-  return or_what_can_be_read(request, [&](const LoadRequest& as) {
-    return Loading(read_log(text, as.path, as.reading), as).run();
+  return or_what_can_be_read(request, [&](LoadRequest as) {
+    as.reading.phases_alone = as.phases_will_do;
+    return loaded_from(read_log(text, as.path, as.reading), as);
   });
 }
 
@@ -408,20 +426,28 @@ NumberedLog load_events(ClockLog log, const LoadRequest& request) {
     log.origin = TimeOrigin::epoch;
   LoadRequest named = request;
   named.path = log.source;
-  return Loading(std::move(log), named).run();
+  return loaded_from(std::move(log), named);
 }
 
 RateSummary mean_rate(const NumberedLog& loaded) {
   RateSummary summary = summarise_rates(loaded.good, loaded.nominal_period_s);
+  if (loaded.crossings > 0) summary.crossings = loaded.crossings;
   summary.nominal_is_known = loaded.nominal_is_known;
   add_time_base(summary, loaded.log.time_base_sigma);
   return summary;
 }
 
+PhaseSeries phase_series(NumberedLog&& loaded) {
+  if (loaded.log.grid) return {std::move(loaded.log.grid->phase_s), loaded.log.grid->tau0_s};
+  return phase_series(loaded);
+}
+
 PhaseSeries phase_series(const NumberedLog& loaded) {
   if (loaded.log.grid) return {loaded.log.grid->phase_s, loaded.log.grid->tau0_s};
   const auto error = clock_error(loaded.good, loaded.nominal_period_s);
-  return {on_every_cycle(loaded.good, error), loaded.nominal_period_s};
+  const std::int64_t step = loaded.beats.step;
+  return {on_every_cycle(loaded.good, error, step),
+          static_cast<double>(step) * loaded.nominal_period_s};
 }
 
 } // namespace goingrate

@@ -63,8 +63,9 @@ Resumed number_blocks(std::span<Beat> beats, const TypicalPeriod& typical, const
       resumed.at.push_back(block.first + static_cast<std::size_t>(good - part.begin()));
     for (const std::size_t i : numbering.resumed())
       resumed.at.push_back(block.first + i);
-    for (Beat& beat : part)
-      beat.cycle += next_cycle;
+    if (next_cycle > 0)
+      for (Beat& beat : part)
+        beat.cycle += next_cycle;
     next_cycle = part.back().cycle + 1;
   }
   return resumed;
@@ -245,6 +246,7 @@ Beats number_beats(std::vector<Beat>&& events, const std::string& source,
   GapPass pass(result, resumed.at, judge, options.least_probability, longest_absence(typical),
                source);
   pass.run();
+  result.has_downward = resumed.has_downward;
   if (resumed.has_downward) {
     for (const Stretch& block : blocks_of(result.beats, typical.mean_s))
       place_downward(std::span(result.beats).subspan(block.first, block.size()), typical.mean_s);
@@ -290,13 +292,14 @@ Beats beats_on_grid(std::vector<Beat>&& events, const std::string& source) {
 }
 
 void count_swings(std::int64_t step, Beats& numbered) {
+  numbered.step = step;
+  if (step == 1) return;
   for (Beat& beat : numbered.beats)
     beat.cycle *= step;
   for (Gap& gap : numbered.gaps) {
     gap.after_cycle *= step;
     gap.length *= step;
   }
-  numbered.step = step;
   numbered.typical_period_s /= static_cast<double>(step);
   numbered.scatter_s /= static_cast<double>(step);
 }

@@ -8,6 +8,7 @@
 #include "goingrate/log/reading.hpp"
 
 #include <functional>
+#include <limits>
 #include <string_view>
 
 namespace goingrate {
@@ -16,6 +17,10 @@ inline constexpr std::size_t head_lines = 400; ///< settle formats and units
 
 /// Throws ArgumentError for options that are invalid for any file.
 void check(const ReadingOptions& options);
+
+/// Throws InputError if a format was given, and the file is a recording of `sound` and should not
+/// be, or is none and should be.
+void refuse_another_format(bool sound, const std::string& name, const ReadingOptions& options);
 
 /// Determines the layout from the first lines, which are no longer needed afterwards; `whole` if
 /// the log has no others. Assumptions are added to `log`. Throws InputError if they are not a log.
@@ -35,8 +40,10 @@ TimeOrigin origin_of(const Layout& layout, const Instant& first);
 /// The number of lines to make room for.
 std::size_t room_for(std::size_t lines_expected);
 
-/// Adds all lines that are left of a text. `progress` receives the share read.
-void add_rows(LineReader& lines, RowReader& rows, const std::function<void(double)>& progress);
+/// Adds the lines that are left of a text, or, if they give more events than `most_events`, some of
+/// them. `progress` receives the share read. Returns whether the text has ended.
+bool add_rows(LineReader& lines, RowReader& rows, const std::function<void(double)>& progress,
+              std::size_t most_events = std::numeric_limits<std::size_t>::max());
 
 /// Does what is possible only after all lines have been read: finds, repairs or refuses. `log` is
 /// then ready.

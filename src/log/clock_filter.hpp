@@ -82,14 +82,21 @@ public:
       foreseen.tp += error2 / n;
       foreseen.pp += error2 / (n * n);
     }
-    const double variance = error_variance(foreseen);
-    const double time_gain = foreseen.tt / variance;
-    const double period_gain = foreseen.tp / variance;
-    offset_ = (time_gain - 1.0) * error_s;
-    period_ += period_gain * error_s;
-    covariance_ = {time_gain * noise_.jitter2, period_gain * noise_.jitter2,
-                   foreseen.pp - period_gain * foreseen.tp};
+    take(error_s, foreseen, error_variance(foreseen));
     return surprise;
+  }
+
+  /// Takes in a beat one cycle on, if its error is no surprise, does not follow one, and
+  /// `is_clear(error_s, variance)`; otherwise changes nothing. Returns whether it did. As follow(),
+  /// but faster.
+  template <class Clear> bool follow_plainly(double elapsed_s, const Clear& is_clear) {
+    const double error_s = elapsed_s - offset_ - period_;
+    const Covariance foreseen = after(1.0);
+    const double variance = error_variance(foreseen);
+    if (doubted_.cycles > 0.0 || error_s * error_s > 16.0 * variance || !is_clear(error_s, variance))
+      return false;
+    take(error_s, foreseen, variance);
+    return true;
   }
 
   [[nodiscard]] double period() const { return period_; }
@@ -98,6 +105,15 @@ public:
   [[nodiscard]] const Covariance& covariance() const { return covariance_; }
 
 private:
+  void take(double error_s, const Covariance& foreseen, double variance) {
+    const double time_gain = foreseen.tt / variance;
+    const double period_gain = foreseen.tp / variance;
+    offset_ = (time_gain - 1.0) * error_s;
+    period_ += period_gain * error_s;
+    covariance_ = {time_gain * noise_.jitter2, period_gain * noise_.jitter2,
+                   foreseen.pp - period_gain * foreseen.tp};
+  }
+
   // The state before a surprise, and how far back its beat is.
   struct Doubt {
     double elapsed = 0.0, cycles = 0.0, period = 0.0, offset = 0.0;

@@ -91,11 +91,16 @@ std::optional<double> parse_number(std::string_view text, char point) {
     if (!text.empty() && text.front() == '-') return {};
   }
   double value = 0.0;
-  const fast_float::parse_options options{fast_float::chars_format::general, point};
-  const auto [end, error] =
-      fast_float::from_chars_advanced(text.data(), text.data() + text.size(), value, options);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return {};
+  const char* const end = text.data() + text.size();
+  if (text.empty() || number_in(text.data(), end, point, value) != end) return {};
+  if (!std::isfinite(value)) return {};
   return value;
+}
+
+const char* number_in(const char* begin, const char* end, char point, double& value) {
+  const fast_float::parse_options options{fast_float::chars_format::general, point};
+  const auto [stop, error] = fast_float::from_chars_advanced(begin, end, value, options);
+  return error == std::errc() ? stop : begin;
 }
 
 bool says_nothing(std::string_view text) {

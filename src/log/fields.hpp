@@ -28,6 +28,10 @@ void split_fields(std::string_view line, char separator, std::vector<Field>& fie
 /// allowed.
 std::optional<double> parse_number(std::string_view text, char point = '.');
 
+/// Reads a number at the beginning of `begin` to `end`; returns where it ends: `begin` if there is
+/// none.
+const char* number_in(const char* begin, const char* end, char point, double& value);
+
 /// Whether a word is one by which programs mark a missing number: nan, NaN, NA, N/A, null, inf, --.
 bool says_nothing(std::string_view text);
 

@@ -90,9 +90,39 @@ void Numbering::run() {
     mark_spurious(i);
   accept(start, 0);
   filter_.start(unknown_period_share * period_, period);
-  for (std::size_t i = next_up(start + 1); i < beats_.size(); i = next_up(i + 1))
+  for (std::size_t i = next_up(start + 1); i < beats_.size(); i = next_up(i + 1)) {
+    i = run_on(i);
     i = place(i);
+  }
   strike_lone_outliers();
+}
+
+// Settles events as place() would, as long as each is an upward beat, one cycle after the last and
+// no surprise, and no other event is near: nearly all of nearly every log. Returns the first one that
+// is not settled.
+std::size_t Numbering::run_on(std::size_t i) {
+  if (last_ + 1 != i) return i;
+  ClockFilter filter = filter_;
+  const double cap = gate_cap * period_, least = floor_ * floor_;
+  std::int64_t cycle = beats_[last_].cycle;
+  for (; i + 1 < beats_.size(); ++i) {
+    Beat& beat = beats_[i];
+    const Beat& next = beats_[i + 1];
+    if (!may_be_up(beat) || !may_be_up(next)) break;
+    const double until_next = next.time - beat.time;
+    const auto is_clear = [&](double error_s, double variance) {
+      const double gate2 = std::max(gate_sigmas2 * variance, least);
+      const double error2 = error_s * error_s;
+      return error2 <= gate2 && error2 <= cap * cap && until_next > 0.0 &&
+             until_next * until_next > 4.0 * gate2;
+    };
+    if (!filter.follow_plainly(beat.time - beats_[i - 1].time, is_clear)) break;
+    beat.flag = BeatFlag::good;
+    beat.cycle = ++cycle;
+  }
+  filter_ = filter;
+  if (i > last_ + 1) accept(i - 1, cycle);
+  return i;
 }
 
 // Settles event i and returns the last event settled.

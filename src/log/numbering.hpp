@@ -36,6 +36,7 @@ private:
     return i < beats_.size() && beats_[i].flag == BeatFlag::bounce;
   }
   [[nodiscard]] std::size_t next_up(std::size_t i);
+  std::size_t run_on(std::size_t i);
   std::size_t place(std::size_t i);
   std::size_t settle(std::size_t i, double cycles, const ClockFilter::Covariance& foreseen);
   [[nodiscard]] std::optional<std::size_t> beat_among_bounces(std::size_t i) const;

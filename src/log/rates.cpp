@@ -3,6 +3,7 @@
 #include "beat_noise.hpp"
 #include "typical_period.hpp"
 
+#include "base/per_processor.hpp"
 #include "base/time_grain.hpp"
 
 #include "goingrate/base/errors.hpp"
@@ -79,13 +80,16 @@ std::vector<double> rate_on_every_cycle(std::span<const Beat> beats, double nomi
   return series;
 }
 
-std::vector<double> on_every_cycle(std::span<const Beat> beats, std::span<const double> values) {
+std::vector<double> on_every_cycle(std::span<const Beat> beats, std::span<const double> values,
+                                   std::int64_t step) {
   if (beats.size() != values.size())
     throw ArgumentError("values", static_cast<double>(values.size()), "one for each beat");
-  const auto cycles = static_cast<std::size_t>(beats.back().cycle - beats.front().cycle) + 1;
-  std::vector<double> series(cycles, std::numeric_limits<double>::quiet_NaN());
+  const auto place = [&](const Beat& beat) {
+    return static_cast<std::size_t>((beat.cycle - beats.front().cycle) / step);
+  };
+  std::vector<double> series(place(beats.back()) + 1, std::numeric_limits<double>::quiet_NaN());
   for (std::size_t i = 0; i < beats.size(); ++i)
-    series[static_cast<std::size_t>(beats[i].cycle - beats.front().cycle)] = values[i];
+    if ((beats[i].cycle - beats.front().cycle) % step == 0) series[place(beats[i])] = values[i];
   return series;
 }
 
@@ -168,6 +172,7 @@ double mean_rate_sigma(std::span<const Beat> beats, const ClockError& error) {
 
 // The slope of the straight line fitted to the clock's error. Times are counted from the middle of
 // the log and errors from the line through its ends, so that the sums lose few digits.
+GOINGRATE_PER_PROCESSOR("fma") // a call of the C library's fma at each beat otherwise
 double slope(std::span<const Beat> beats, const ClockError& error) {
   const double half_s = 0.5 * (beats.back().time - beats.front().time);
   const double rate = error[beats.size() - 1] / (2.0 * half_s);

@@ -5,6 +5,7 @@
 #include "issue_list.hpp"
 #include "labx.hpp"
 #include "layout_detection.hpp"
+#include "log_parts.hpp"
 #include "repairs.hpp"
 #include "row_reader.hpp"
 #include "sound_log.hpp"
@@ -235,32 +236,13 @@ bool add_next(LineReader& lines, RowReader& rows) {
   return line.has_value();
 }
 
+} // namespace
+
 void refuse_another_format(bool sound, const std::string& name, const ReadingOptions& options) {
   if (options.format && sound != (*options.format == LogFormat::sound))
     throw InputError({name}, sound ? in_words(LogFormat::sound) : "no sound that is known",
                      sound ? in_words(*options.format) : "a recording: WAV, FLAC or OGG");
 }
-
-ClockLog read_lines(LineReader& lines, const ReadingOptions& options) {
-  check(options);
-  ClockLog log;
-  log.source = lines.name();
-  const std::string_view beginning = lines.head(head_lines);
-  const bool sound = is_sound(beginning);
-  refuse_another_format(sound, lines.name(), options);
-  if (sound) {
-    const std::string bytes = lines.all();
-    return read_recording(Recording::in_memory(bytes, lines.name()), lines.name(), options);
-  }
-  const Layout layout = settle_layout(beginning, lines.whole_is_in_head(), log, options);
-  RowReader rows(layout, options, log);
-  rows.reserve(room_for(lines.lines_expected()));
-  add_rows(lines, rows, options.progress);
-  complete(log, rows, layout, options);
-  return log;
-}
-
-} // namespace
 
 bool is_same(const Layout& a, const Layout& b) {
   const auto same_column = [](const LogColumn& one, const LogColumn& other) {
@@ -293,16 +275,20 @@ std::size_t room_for(std::size_t lines_expected) {
   return static_cast<std::size_t>(margin * static_cast<double>(lines_expected));
 }
 
-void add_rows(LineReader& lines, RowReader& rows, const std::function<void(double)>& progress) {
+bool add_rows(LineReader& lines, RowReader& rows, const std::function<void(double)>& progress,
+              std::size_t most_events) {
   constexpr std::uint32_t between_reports = 1 << 16; // lines
   std::uint32_t reported = lines.number();
   do {
-    const auto plain = rows.add_plain_times(lines.at_hand(), lines.number() + 1);
+    const auto plain = rows.add_plain(lines.at_hand(), lines.number() + 1);
     lines.skip(plain.bytes, plain.lines);
-    if (!progress || lines.number() < reported + between_reports) continue;
-    reported = lines.number();
-    progress(lines.fraction_read().value_or(0.0));
+    if (progress && lines.number() >= reported + between_reports) {
+      reported = lines.number();
+      progress(lines.fraction_read().value_or(0.0));
+    }
+    if (rows.events() >= most_events) return false;
   } while (add_next(lines, rows));
+  return true;
 }
 
 void complete(ClockLog& log, RowReader& rows, const Layout& layout, const ReadingOptions& options) {
@@ -337,12 +323,22 @@ void complete(ClockLog& log, RowReader& rows, const Layout& layout, const Readin
     restore_order(log, are_dates(layout, log.events.front().time), issues);
 }
 
+namespace {
+
+ClockLog whole_of(LineReader& lines, const ReadingOptions& options) {
+  LogParts parts(lines, options);
+  parts.read();
+  return std::move(parts.log());
+}
+
+} // namespace
+
 ClockLog read_log(std::string_view text, const std::string& source, const ReadingOptions& options) {
   constexpr std::size_t head_bytes = 1024; // tell a measurement
   const bool is_table = !is_labx(text.substr(0, head_bytes));
   const std::string table = is_table ? std::string() : table_of_labx(text, source);
   LineReader lines(is_table ? text : std::string_view(table), source);
-  return read_lines(lines, options);
+  return whole_of(lines, options);
 }
 
 ClockLog read_log_file(const std::string& path, const ReadingOptions& options) {
@@ -352,7 +348,7 @@ ClockLog read_log_file(const std::string& path, const ReadingOptions& options) {
     return read_recording(Recording::on_disk(path), path, options);
   }
   LineReader lines(open_source(path, options.unpacked_limit), path);
-  return read_lines(lines, options);
+  return whole_of(lines, options);
 }
 
 } // namespace goingrate

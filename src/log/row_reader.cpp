@@ -13,6 +13,15 @@
 
 namespace goingrate {
 
+namespace {
+
+// As the comparison of Instants, which also answers for NaN and is slower.
+bool is_before(const Instant& a, const Instant& b) {
+  return a.seconds < b.seconds || (a.seconds == b.seconds && a.fraction < b.fraction);
+}
+
+} // namespace
+
 RowReader::RowReader(const Layout& layout, const ReadingOptions& options, ClockLog& log)
     : layout_(layout), log_(log), issues_(log, options.strict),
       unwrap_(unwrapping(layout, options.nominal_period_s)), time_(layout.find(ColumnRole::time)),
@@ -23,7 +32,7 @@ RowReader::RowReader(const Layout& layout, const ReadingOptions& options, ClockL
       amplitude_(layout.find(ColumnRole::amplitude)), angle_(layout.find(ColumnRole::angle)),
       width_(layout.find(ColumnRole::width)), edge_(layout.find(ColumnRole::edge)),
       channel_(layout.find(ColumnRole::channel)), ranges_(layout.columns.size()),
-      zone_s_(options.zone_s) {
+      zone_s_(options.zone_s), phases_alone_(options.phases_alone) {
   if (!angle_) {
     angle_ = layout.find(ColumnRole::position);
     if (angle_) height_ = layout.find(ColumnRole::height);
@@ -40,10 +49,16 @@ RowReader::RowReader(const Layout& layout, const ReadingOptions& options, ClockL
   if (frequency_) add_phase(layout.first_line, 0.0); // where the first interval begins
 }
 
+inline void RowReader::push(const Beat& beat) {
+  in_order_ = in_order_ && (log_.events.empty() || !is_before(beat.time, log_.events.back().time));
+  log_.events.push_back(beat);
+  if (error_) clock_errors_.push_back(clock_error_s_);
+}
+
 void RowReader::reserve(std::size_t lines) {
   if (layout_.format == LogFormat::angle)
     reserve_large(samples_, lines);
-  else
+  else if (!(log_.grid && phases_alone_))
     reserve_large(log_.events, layout_.format == LogFormat::ticktock ? 2 * lines : lines);
   if (log_.grid) reserve_large(log_.grid->phase_s, lines);
 }
@@ -117,16 +132,21 @@ void RowReader::add_sample(const Line& line, const Instant& time) {
   if (height_) heights_.push_back(height);
 }
 
+RowReader::Taken RowReader::add_plain(std::string_view text, std::uint32_t number) {
+  if (number < layout_.first_line) return {};
+  if (plain_) return add_plain_times(text, number);
+  return phase_ && layout_.columns.size() == 1 ? add_plain_phases(text, number) : Taken{};
+}
+
 RowReader::Taken RowReader::add_plain_times(std::string_view text, std::uint32_t number) {
-  if (!plain_ || number < layout_.first_line) return {};
   const char* const end = text.data() + text.size();
   Taken taken;
-  // A time that begins with 9 may be all nines, which mark a missing value; add() decides that.
-  for (const char* c = text.data(); c != end && *c >= '0' && *c <= '8'; ++taken.lines) {
+  for (const char* c = text.data(); c != end && *c >= '0' && *c <= '9'; ++taken.lines) {
     Instant raw;
     const char* const line = c;
     if (!take_plain_seconds(c, end, layout_.point, raw)) break;
     const auto length = static_cast<std::size_t>(c - line);
+    if (*line == '9' && all_nines({line, length})) break; // perhaps a mark: add() decides that
     if (c != end && *c == '\r') ++c;
     if (c == end || *c != '\n') break;
     time_length_ = length;
@@ -137,10 +157,26 @@ RowReader::Taken RowReader::add_plain_times(std::string_view text, std::uint32_t
   return taken;
 }
 
-void RowReader::push(const Beat& beat) {
-  in_order_ = in_order_ && (log_.events.empty() || log_.events.back().time <= beat.time);
-  log_.events.push_back(beat);
-  if (error_) clock_errors_.push_back(clock_error_s_);
+RowReader::Taken RowReader::add_plain_phases(std::string_view text, std::uint32_t number) {
+  const char* const end = text.data() + text.size();
+  const double scale = layout_.columns[*phase_].scale;
+  Taken taken;
+  for (const char* c = text.data(); c != end; ++taken.lines) {
+    double value = 0.0;
+    const char* const line = c;
+    c = number_in(c, end, layout_.point, value);
+    if (c == line) break;
+    // All nines, or a zero, may stand for a missing value; add() decides that.
+    const char first = line[*line == '-' ? 1 : 0];
+    if (first == '9' && all_nines({line, static_cast<std::size_t>(c - line)})) break;
+    if (c != end && *c == '\r') ++c;
+    if (c == end || *c != '\n' || value == 0.0 || !is_possible_error(value * scale)) break;
+    ranges_[*phase_].widen_to(value);
+    add_phase(number++, value * scale);
+    taken.bytes = static_cast<std::size_t>(++c - text.data());
+  }
+  data_lines_ += taken.lines;
+  return taken;
 }
 
 // Whether the line has the right number of fields and no binary bytes; rejects it if not.
@@ -177,9 +213,7 @@ bool RowReader::is_mark(std::size_t column, std::string_view text, double value)
     const bool is_within = value >= range.least - spread && value <= range.most + spread;
     if (range.values == 0 || !is_within) return true;
   }
-  range.least = range.values == 0 ? value : std::min(range.least, value);
-  range.most = range.values == 0 ? value : std::max(range.most, value);
-  ++range.values;
+  range.widen_to(value);
   return false;
 }
 

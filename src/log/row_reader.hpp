@@ -13,7 +13,9 @@
 #include "goingrate/log/reading.hpp"
 #include "log/angle_samples.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,10 +36,10 @@ public:
     std::uint32_t lines = 0;
   };
   /// Adds the lines at the beginning of `text` up to the first that is not just a good time in
-  /// seconds, as nearly all lines of most logs are. `number` is that of the first line. Has the
-  /// same effect as add() for each line, but is faster. Adds nothing unless the log has only that
-  /// column.
-  Taken add_plain_times(std::string_view text, std::uint32_t number);
+  /// seconds, or a good phase, as nearly all lines of most logs are. `number` is that of the first
+  /// line. Has the same effect as add() for each line, but is faster. Adds nothing unless the log
+  /// has only that column.
+  Taken add_plain(std::string_view text, std::uint32_t number);
   /// Tells the reader that another text of the same layout follows, whose data begin in this line.
   void begin_anew(std::uint32_t first_line) { layout_.first_line = first_line; }
   /// Makes what `before` read of the same log, with another layout, count as read by this reader.
@@ -50,6 +52,8 @@ public:
   [[nodiscard]] const std::vector<double>& heights() const { return heights_; }
   /// The clock's error, s, at each event; empty unless the log is one of labels and errors.
   [[nodiscard]] std::vector<double>& clock_errors() { return clock_errors_; }
+  /// Events that are in the log at present.
+  [[nodiscard]] std::size_t events() const { return log_.events.size(); }
   /// Lines that should have held data, and those of them that gave nothing.
   [[nodiscard]] std::size_t data_lines() const { return data_lines_; }
   [[nodiscard]] std::size_t rejected() const { return rejected_; }
@@ -61,7 +65,12 @@ public:
 private:
   using Place = std::optional<std::size_t>;       // the column of a role
   static constexpr double longest_period_s = 1e6; // no pendulum takes so long
+  static constexpr std::size_t events_of_phases_alone = 3; // so many show that there are values
+  // Thirty years: a clock that is further off was never set.
+  static bool is_possible_error(double error_s) { return std::abs(error_s) < 1e9; }
 
+  Taken add_plain_times(std::string_view text, std::uint32_t number);
+  Taken add_plain_phases(std::string_view text, std::uint32_t number);
   void reject(const Line& line, std::size_t column, IssueKind kind, std::string found);
   void reject_field(const Line& line, const Field& field, std::string_view expected);
   [[nodiscard]] bool only_a_comment(const Line& line) const;
@@ -117,6 +126,11 @@ private:
   struct Range {
     double least = 0.0, most = 0.0;
     std::size_t values = 0;
+    void widen_to(double value) {
+      least = values == 0 ? value : std::min(least, value);
+      most = values == 0 ? value : std::max(most, value);
+      ++values;
+    }
   };
   std::vector<Range> ranges_; // of each column's values so far
   std::vector<Field> fields_;
@@ -137,6 +151,7 @@ private:
   std::optional<Instant> stamp_; // the coarse time of the line before
   bool gate_state_;              // the column of edges says whether the flag is in the gate
   bool days_alone_;              // the times are dates without a time of day
+  bool phases_alone_;            // a grid needs no events
   bool plain_;                   // nothing but seconds, one number per line
   bool in_order_ = true;
   std::optional<Beat> entered_; // the first of a gate's two edges

@@ -12,12 +12,6 @@
 
 namespace goingrate {
 
-namespace {
-
-constexpr double largest_error_s = 1e9; // thirty years: a clock that is further off was never set
-
-} // namespace
-
 std::optional<Instant> RowReader::time_of(const Line& line) {
   if (period_) return accumulated_time(line, *period_);
   if (half_period_) return accumulated_time(line, *half_period_);
@@ -141,7 +135,7 @@ std::optional<Instant> RowReader::written_time(const Line& line) {
     }
     // The clock shows `label` when true time is label - error: a positive error is a fast clock.
     const double error_s = error * layout_.columns[*error_].scale;
-    if (!(std::abs(error_s) < largest_error_s)) {
+    if (!is_possible_error(error_s)) {
       reject(line, fields_[*error_].column, IssueKind::out_of_range,
              fmt::format("an error of {} s", error_s));
       return {};
@@ -217,6 +211,7 @@ void RowReader::leave_place(const Line& line, std::size_t column, IssueKind kind
 void RowReader::add_phase(std::uint32_t line, double error_s) {
   const auto n = static_cast<std::int64_t>(log_.grid->phase_s.size());
   log_.grid->phase_s.push_back(error_s);
+  if (phases_alone_ && log_.events.size() >= events_of_phases_alone) return;
   const Instant origin{};
   const double late = residual_from_grid(origin, origin, n, layout_.tau0_s);
   const Instant elapsed = Instant::from_seconds(-late) + -error_s;
@@ -252,7 +247,7 @@ void RowReader::add_on_grid(const Line& line, std::size_t column) {
   const double scaled = *value * layout_.columns[column].scale;
   if (frequency_) part_s_ += scaled * layout_.tau0_s;
   const double error = frequency_ ? part_s_.value() : scaled;
-  if (!(std::abs(error) < largest_error_s)) {
+  if (!is_possible_error(error)) {
     ++rejected_;
     return leave_place(line, field.column, IssueKind::out_of_range,
                        fmt::format("an error of {} s", error));

@@ -15,7 +15,7 @@ namespace goingrate {
 
 namespace {
 
-constexpr std::size_t most_sampled = 100'000; // three medians of them take some milliseconds
+constexpr std::size_t most_sampled = 25'000; // three medians of them take a millisecond
 constexpr std::size_t stretches = 20;
 constexpr double normal_from_mad = 1.4826; // standard deviation over median absolute deviation
 // A jitter of 1 % of the period moves intervals by 1.4 %; seven times that is still one period.

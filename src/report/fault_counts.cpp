@@ -39,6 +39,7 @@ Counts counts_of(const Beats& numbered) {
   const auto part = analysed_part(numbered);
   Counts counts;
   if (!part) counts = {numbered.missed, 0, numbered.spurious, numbered.bounces};
+  if (!part && numbered.spurious == 0 && !numbered.has_downward) return counts;
   std::int64_t seen = 0, all = 0; // downward passages
   const Beat* last = nullptr;
   const Beat* stray = nullptr; // since the last good beat, if there is one only
@@ -51,7 +52,7 @@ Counts counts_of(const Beats& numbered) {
     counts.bounces += part && beat.flag == BeatFlag::bounce ? 1 : 0;
     if (beat.flag != BeatFlag::good) continue;
     if (last != nullptr && last->segment == beat.segment) {
-      counts.missed += part ? beat.cycle - last->cycle - 1 : 0;
+      counts.missed += part ? (beat.cycle - last->cycle) / numbered.step - 1 : 0;
       counts.missed_downward += std::max<std::int64_t>(0, beat.cycle - last->cycle - seen);
       counts.displaced += strays == 1 && is_displaced(*last, *stray, beat) ? 1 : 0;
     }

@@ -54,6 +54,32 @@ Json sound_object(const SoundFindings& sound, double time_base_sigma) {
 
 } // namespace
 
+namespace {
+
+// Of a log that is not split it is the rate of the log.
+std::vector<PartRate> rates_of_segments(const Beats& beats, const RateSummary& summary,
+                                        const SensorFindings& sensor) {
+  constexpr std::int64_t fewest_for_scatter = 5; // see PartRate
+  if (beats.segments > 1 || summary.crossings < fewest_for_scatter) {
+    std::vector<PartRate> parts = segment_rates(beats.beats, summary.nominal_period_s);
+    for (PartRate& part : parts)
+      add_time_base(part.rate, summary.time_base_sigma);
+    return parts;
+  }
+  const auto is_good = [](const Beat& beat) { return beat.flag == BeatFlag::good; };
+  const auto& all = beats.beats;
+  PartRate whole;
+  const Beat& first = *std::find_if(all.begin(), all.end(), is_good);
+  whole.from_cycle = first.cycle;
+  whole.to_cycle = first.cycle + summary.periods;
+  whole.start = first.time;
+  whole.rate = summary;
+  if (sensor.amplitude) whole.amplitude_rad = sensor.amplitude->mean_rad;
+  return {whole};
+}
+
+} // namespace
+
 Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& summary,
                  const SensorFindings& sensor) {
   Json json = json_with_schema("goingrate.rate");
@@ -81,10 +107,8 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
                             {"kind", name_of(gap.kind)}});
   json["longest_countable_gap"] = beats.longest_countable_gap;
   json["segment_rates"] = Json::array();
-  for (PartRate& part : segment_rates(beats.beats, summary.nominal_period_s)) {
-    add_time_base(part.rate, summary.time_base_sigma);
+  for (const PartRate& part : rates_of_segments(beats, summary, sensor))
     json["segment_rates"].push_back(part_object(part, summary.nominal_is_known));
-  }
   json["format"] = name_of(log.format);
   json["beat_error_s"] = estimate_object(sensor.beat_error_s);
   json["sound"] = log.sound ? sound_object(*log.sound, log.time_base_sigma) : Json(nullptr);

@@ -44,17 +44,23 @@ std::array<NamedColumn, 5> named(const EventColumns& columns) {
 
 RateTable::RateTable(const Options& options, const EventColumns& columns,
                      const std::vector<Gap>& gaps)
-    : options_(options), columns_(columns), gaps_(gaps) {
+    : options_(options), columns_(&columns), gaps_(&gaps) {
   extras_ = (options.amplitudes ? 1U : 0U) + (options.running_cycles > 0 ? 1U : 0U);
   for (const NamedColumn& column : named(columns))
     extras_ += column.values->empty() ? 0 : 1;
+}
+
+void RateTable::go_on(const EventColumns& columns, const std::vector<Gap>& gaps) {
+  columns_ = &columns;
+  gaps_ = &gaps;
+  gap_ = 0;
 }
 
 std::string RateTable::header() const {
   std::string text = "cycle,time_s,period_s,rate_excess,rate_s_per_day,amplitude_rad,flags";
   if (options_.amplitudes) text += ",rate_excess_at_zero_amplitude";
   if (options_.running_cycles > 0) text += ",running_rate_excess";
-  for (const NamedColumn& column : named(columns_))
+  for (const NamedColumn& column : named(*columns_))
     if (!column.values->empty()) text += fmt::format(",{}", column.name);
   return text + '\n';
 }
@@ -124,7 +130,7 @@ void RateTable::append_extras(DecimalText& line, const Beat* beat, double rate, 
   }
   if (options_.running_cycles > 0)
     append_number(line, beat != nullptr ? running_rate(*beat) : not_known, 7);
-  for (const NamedColumn& column : named(columns_))
+  for (const NamedColumn& column : named(*columns_))
     if (!column.values->empty()) append_number(line, (*column.values)[i], column.digits);
 }
 
@@ -152,10 +158,10 @@ void RateTable::append_missing(std::string& text, std::int64_t from, std::int64_
 
 // Gaps and beats are both in order of cycles.
 bool RateTable::is_step_after(std::int64_t cycle) {
-  while (gap_ < gaps_.size() && gaps_[gap_].after_cycle < cycle)
+  while (gap_ < gaps_->size() && (*gaps_)[gap_].after_cycle < cycle)
     ++gap_;
-  return gap_ < gaps_.size() && gaps_[gap_].after_cycle == cycle &&
-         gaps_[gap_].kind == GapKind::step;
+  return gap_ < gaps_->size() && (*gaps_)[gap_].after_cycle == cycle &&
+         (*gaps_)[gap_].kind == GapKind::step;
 }
 
 std::string rate_table(const Beats& beats, double nominal_period_s) {

@@ -9,7 +9,8 @@
 #include <vector>
 
 #include "goingrate/base/errors.hpp"
-#include "noise_by_ratio.hpp"
+#include "base/per_processor.hpp"
+#include "goingrate/base/sums.hpp"
 
 namespace goingrate {
 namespace {
@@ -75,34 +76,57 @@ std::array<double, 3> solve_parabola(const std::array<double, 5>& moment, std::a
   return solution;
 }
 
-// Least-squares removal of 1, t, t^2 on the known points; t in [-1, 1] keeps the powers of similar
-// size.
-void remove_parabola(std::vector<double>& z, bool whole) {
-  const std::size_t n = z.size();
-  const double step = n > 1 ? 2.0 / static_cast<double>(n - 1) : 0.0;
+// Every m-th phase, k = 0 .. count - 1, at places t from -1 to 1, so that the powers of t are of
+// similar size.
+struct Series {
+  std::span<const double> phase;
+  std::size_t m;
+  std::size_t count = (phase.size() + m - 1) / m;
+  double step = count > 1 ? 2.0 / static_cast<double>(count - 1) : 0.0;
+
+  [[nodiscard]] double value(std::size_t k) const { return phase[k * m]; }
+  [[nodiscard]] double place(std::size_t k) const { return static_cast<double>(k) * step - 1.0; }
+};
+
+// The least-squares parabola through the known points, as coefficients of 1, t, t^2.
+struct Parabola {
+  std::array<double, 3> c{};
+  std::size_t known = 0; // points
+
+  [[nodiscard]] double at(double t) const { return c[0] + t * (c[1] + t * c[2]); }
+};
+
+Parabola parabola_through_all(const Series& series, const std::array<double, 3>& b) {
+  const double count = static_cast<double>(series.count), gaps = count - 1.0; // at least 29
+  const std::array<double, 5> moment{count, 0.0, count * (count + 1.0) / (3.0 * gaps), 0.0,
+                                     count * (count + 1.0) * (3.0 * count * count - 7.0) /
+                                         (15.0 * gaps * gaps * gaps)};
+  return {solve_parabola(moment, b), series.count};
+}
+
+Parabola parabola_through_known(const Series& series) {
   std::array<double, 5> moment{};
   std::array<double, 3> b{};
-  if (whole) {
-    b = sums_in_lanes<3>(n, [&](std::size_t i) {
-      const double t = static_cast<double>(i) * step - 1.0;
-      return std::array{z[i], z[i] * t, z[i] * t * t};
-    });
-    const double count = static_cast<double>(n), gaps = count - 1.0; // n is 30 or more here
-    moment = {count, 0.0, count * (count + 1.0) / (3.0 * gaps), 0.0,
-              count * (count + 1.0) * (3.0 * count * count - 7.0) / (15.0 * gaps * gaps * gaps)};
-  }
-  for (std::size_t i = 0; i < n && !whole; ++i) {
-    if (!std::isfinite(z[i])) continue;
-    const double t = static_cast<double>(i) * step - 1.0, square = t * t;
+  Parabola parabola;
+  for (std::size_t k = 0; k < series.count; ++k) {
+    const double z = series.value(k);
+    if (!std::isfinite(z)) continue;
+    const double t = series.place(k), square = t * t;
+    ++parabola.known;
     moment[0] += 1.0, moment[1] += t, moment[2] += square;
     moment[3] += square * t, moment[4] += square * square;
-    b[0] += z[i], b[1] += z[i] * t, b[2] += z[i] * square;
+    b[0] += z, b[1] += z * t, b[2] += z * square;
   }
-  const std::array<double, 3> c = solve_parabola(moment, b);
-  for (std::size_t i = 0; i < n; ++i) {
-    const double t = static_cast<double>(i) * step - 1.0;
-    z[i] -= c[0] + t * (c[1] + t * c[2]);
-  }
+  parabola.c = solve_parabola(moment, b);
+  return parabola;
+}
+
+Parabola parabola_through(const Series& series) {
+  const auto b = sums_in_lanes<3>(series.count, [&](std::size_t k) {
+    const double z = series.value(k), t = series.place(k);
+    return std::array{z, z * t, z * t * t};
+  });
+  return std::isfinite(b[0]) ? parabola_through_all(series, b) : parabola_through_known(series);
 }
 
 struct Lag1 {
@@ -110,50 +134,91 @@ struct Lag1 {
   std::size_t pairs;
 };
 
-// Autocorrelation at lag 1 about the mean. Without gaps n/(pairs + 1) is 1 and this is the textbook
-// estimate; with gaps it scales the sum of products to the pairs that exist. One pass: the parabola
-// is gone, so the mean is small and costs no digits when it is taken out of the sums afterwards.
-Lag1 lag1_autocorrelation(std::span<const double> z, bool whole) {
-  double sum = 0.0, squares = 0.0, products = 0.0, both = 0.0, before = 0.0;
-  std::size_t n = 0, pairs = 0;
-  bool has_before = false;
-  if (whole) {
-    n = z.size(), pairs = n - 1;
-    const auto sums = sums_in_lanes<3>(pairs, [&](std::size_t i) {
-      return std::array{z[i], z[i] * z[i], z[i] * z[i + 1]};
-    });
-    sum = sums[0] + z.back(), squares = sums[1] + z.back() * z.back(), products = sums[2];
-    both = 2.0 * sum - z.front() - z.back();
-    z = {};
+// Autocorrelation at lag 1 about the mean, of a series that comes in blocks. Without gaps n/(pairs
+// + 1) is 1 and this is the textbook estimate; with gaps it scales the sum of products to the pairs
+// that exist. The parabola is gone, so the mean is small and costs no digits when it is taken out
+// of the sums afterwards.
+class Autocorrelation {
+public:
+  void add(std::span<const double> z, bool whole) {
+    if (whole)
+      add_known(z);
+    else
+      for (const double v : z)
+        add(v);
+    last_ = z.empty() ? last_ : z.back();
   }
-  for (double v : z) {
+
+  [[nodiscard]] Lag1 result() const {
+    const double count = static_cast<double>(n_), pair_count = static_cast<double>(pairs_);
+    const double mean = n_ > 0 ? sum_ / count : 0.0;
+    const double scatter = squares_ - count * mean * mean;
+    const double together = products_ - mean * both_ + pair_count * mean * mean;
+    return {scatter > 0.0 ? count / (pair_count + 1.0) * together / scatter : nan, pairs_};
+  }
+  // The last value that was added; NaN before the first.
+  [[nodiscard]] double last() const { return last_; }
+
+private:
+  static constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+  void add(double v) {
     const bool known = std::isfinite(v);
     if (known) {
-      ++n;
-      sum += v;
-      squares += v * v;
+      ++n_;
+      sum_ += v;
+      squares_ += v * v;
     }
-    if (known && has_before) {
-      ++pairs;
-      products += before * v;
-      both += before + v;
+    if (known && std::isfinite(last_)) {
+      ++pairs_;
+      products_ += last_ * v;
+      both_ += last_ + v;
     }
-    before = v;
-    has_before = known;
+    last_ = v;
   }
-  const double count = static_cast<double>(n), pair_count = static_cast<double>(pairs);
-  const double mean = n > 0 ? sum / count : 0.0;
-  const double scatter = squares - count * mean * mean;
-  const double together = products - mean * both + pair_count * mean * mean;
-  return {scatter > 0.0 ? count / (pair_count + 1.0) * together / scatter
-                        : std::numeric_limits<double>::quiet_NaN(),
-          pairs};
-}
 
-void difference(std::vector<double>& z) {
-  for (std::size_t i = 0; i + 1 < z.size(); ++i)
-    z[i] = z[i + 1] - z[i]; // NaN stays NaN
-  z.pop_back();
+  void add_known(std::span<const double> z) {
+    if (z.empty()) return;
+    add(z.front());
+    const auto sums = sums_in_lanes<3>(z.size() - 1, [&](std::size_t i) {
+      return std::array{z[i + 1], z[i + 1] * z[i + 1], z[i] * z[i + 1]};
+    });
+    n_ += z.size() - 1, pairs_ += z.size() - 1;
+    sum_ += sums[0], squares_ += sums[1], products_ += sums[2];
+    both_ += 2.0 * sums[0] + z.front() - z.back();
+  }
+
+  double sum_ = 0.0, squares_ = 0.0, products_ = 0.0, both_ = 0.0, last_ = nan;
+  std::size_t n_ = 0, pairs_ = 0;
+};
+
+constexpr std::size_t most_orders = 4; // of differences: 0 to 3
+
+// The autocorrelations of the series without the parabola, and of its differences up to an order,
+// in one pass.
+GOINGRATE_PER_PROCESSOR("avx2")
+std::array<Autocorrelation, most_orders>
+autocorrelations(const Series& series, const Parabola& parabola, std::size_t highest_order) {
+  constexpr std::size_t block = 1024; // two of them stay in the first-level cache
+  const bool whole = parabola.known == series.count;
+  std::array<Autocorrelation, most_orders> found;
+  std::array<std::array<double, block + 1>, 2> buffers; // [0] of each is the one before the block
+  double *values = buffers[0].data(), *differences = buffers[1].data();
+  for (std::size_t begin = 0; begin < series.count; begin += block) {
+    const std::size_t count = std::min(block, series.count - begin);
+    for (std::size_t i = 0; i < count; ++i)
+      values[i + 1] = series.value(begin + i) - parabola.at(series.place(begin + i));
+    std::size_t first = 1; // of the whole series there are fewer differences than values
+    for (std::size_t d = 0; d <= highest_order; ++d) {
+      values[0] = found[d].last();
+      found[d].add({values + first, count + 1 - first}, whole);
+      if (begin == 0) ++first;
+      for (std::size_t i = 1; i <= count; ++i)
+        differences[i] = values[i] - values[i - 1];
+      std::swap(values, differences);
+    }
+  }
+  return found;
 }
 
 // Variance and Allan variance of averaged frequencies (in units of 1/m), from phases one tau apart;
@@ -204,14 +269,14 @@ double expected_ratio(double n, int mu) {
 NoiseType identify_noise(std::span<const double> phase, std::size_t m,
                          std::size_t most_differences) {
   if (m == 0) throw ArgumentError("m", 0.0, "1 or more");
-  std::vector<double> z = every_mth(phase, m);
+  const Series series{phase, m};
+  const Parabola parabola = parabola_through(series);
   NoiseType noise;
-  noise.points = count_finite(z);
+  noise.points = parabola.known;
   if (noise.points < least_points_for_noise_type) return noise;
-  const bool whole = noise.points == z.size();
-  remove_parabola(z, whole);
+  const auto found = autocorrelations(series, parabola, most_differences);
   for (std::size_t d = 0;; ++d) {
-    const Lag1 lag1 = lag1_autocorrelation(z, whole);
+    const Lag1 lag1 = found[d].result();
     const bool enough = lag1.pairs + d + 1 >= least_points_for_noise_type;
     if (!enough || std::isnan(lag1.r1)) return noise;
     // r1 near -1 (alternating phase) would send rho to minus infinity; -0.9 is already far past
@@ -224,28 +289,66 @@ NoiseType identify_noise(std::span<const double> phase, std::size_t m,
       noise.identified = true;
       return noise;
     }
-    difference(z);
   }
 }
 
-const WindowMeans& NoiseByRatio::means() const {
-  std::call_once(formed_, [this] { means_.emplace(phase_); });
-  return *means_;
-}
+namespace {
 
-int NoiseByRatio::alpha_of_phase_noise(std::size_t m) const {
+// Means over windows of a long series, from its sums up to every `cell`-th phase.
+class CoarseSums {
+public:
+  CoarseSums(std::span<const double> phase, std::size_t cell) : phase_(phase), cell_(cell) {
+    sums_.reserve(phase.size() / cell + 1);
+    sums_.emplace_back();
+    for (std::size_t i = cell; i <= phase.size(); i += cell)
+      sums_.push_back(plus(sums_.back(), i - cell, i));
+  }
+
+  // Of the m phases from number i on; NaN if fewer than half of them are known.
+  [[nodiscard]] double mean(std::size_t i, std::size_t m) const {
+    const Sum begin = before(i), end = before(i + m);
+    const std::size_t known = end.known - begin.known;
+    if (2 * known < m) return std::numeric_limits<double>::quiet_NaN();
+    return ((end.value.hi - begin.value.hi) + (end.value.lo - begin.value.lo)) /
+           static_cast<double>(known);
+  }
+
+private:
+  struct Sum { // of those that are known
+    TwoPart<double> value{};
+    std::size_t known = 0;
+  };
+  [[nodiscard]] Sum before(std::size_t i) const { return plus(sums_[i / cell_], i - i % cell_, i); }
+  [[nodiscard]] Sum plus(Sum sum, std::size_t from, std::size_t to) const {
+    double part = 0.0;
+    for (std::size_t i = from; i < to; ++i) {
+      const bool known = !std::isnan(phase_[i]);
+      part += known ? phase_[i] : 0.0;
+      sum.known += known ? 1 : 0;
+    }
+    sum.value += part;
+    return sum;
+  }
+
+  std::span<const double> phase_;
+  std::size_t cell_;
+  std::vector<Sum> sums_;
+};
+
+// 2 or 1: which phase noise MVAR/AVAR speaks for.
+int alpha_of_phase_noise(std::span<const double> phase, std::size_t m) {
   if (m == 1) return 2;
   // Differences that start a 16th of m apart hold as much information as all.
   const std::size_t step = std::max<std::size_t>(1, m / 16);
-  const WindowMeans& window = means();
+  const CoarseSums sums(phase, std::max<std::size_t>(1, step / 4));
   double modified = 0.0, plain = 0.0;
   std::size_t modified_count = 0, plain_count = 0;
-  for (std::size_t i = 0; i + 2 * m < phase_.size(); i += step) {
-    const double bend = (phase_[i + 2 * m] - phase_[i + m]) - (phase_[i + m] - phase_[i]);
+  for (std::size_t i = 0; i + 2 * m < phase.size(); i += step) {
+    const double bend = (phase[i + 2 * m] - phase[i + m]) - (phase[i + m] - phase[i]);
     if (!std::isnan(bend)) plain += bend * bend, ++plain_count;
-    if (i + 3 * m > phase_.size()) continue;
-    const double middle = window.mean(i + m, m);
-    const double of_means = (window.mean(i + 2 * m, m) - middle) - (middle - window.mean(i, m));
+    if (i + 3 * m > phase.size()) continue;
+    const double middle = sums.mean(i + m, m);
+    const double of_means = (sums.mean(i + 2 * m, m) - middle) - (middle - sums.mean(i, m));
     if (!std::isnan(of_means)) modified += of_means * of_means, ++modified_count;
   }
   if (modified_count == 0 || !(plain > 0.0)) return 2;
@@ -257,10 +360,12 @@ int NoiseByRatio::alpha_of_phase_noise(std::size_t m) const {
   return ratio < std::sqrt(white * flicker) ? 2 : 1;
 }
 
-NoiseType NoiseByRatio::at(std::size_t m) const {
+} // namespace
+
+NoiseType identify_noise_by_ratio(std::span<const double> phase, std::size_t m) {
   if (m == 0) throw ArgumentError("m", 0.0, "1 or more");
-  const std::vector<double> thinned = m == 1 ? std::vector<double>{} : every_mth(phase_, m);
-  const std::span<const double> z = m == 1 ? phase_ : std::span<const double>(thinned);
+  const std::vector<double> thinned = m == 1 ? std::vector<double>{} : every_mth(phase, m);
+  const std::span<const double> z = m == 1 ? phase : std::span<const double>(thinned);
   const FrequencyScatter scatter = scatter_of_steps(z);
   NoiseType noise;
   noise.points = count_finite(z);
@@ -273,14 +378,10 @@ NoiseType NoiseByRatio::at(std::size_t m) const {
   noise.alpha = -2;
   for (int mu = 1; noise.alpha < 1 && ratio <= border(mu); --mu)
     ++noise.alpha;
-  if (noise.alpha == 1) noise.alpha = alpha_of_phase_noise(m);
+  if (noise.alpha == 1) noise.alpha = alpha_of_phase_noise(phase, m);
   noise.exponent = noise.alpha;
   noise.identified = true;
   return noise;
-}
-
-NoiseType identify_noise_by_ratio(std::span<const double> phase, std::size_t m) {
-  return NoiseByRatio(phase).at(m);
 }
 
 } // namespace goingrate

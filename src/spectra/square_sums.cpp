@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "per_processor.hpp"
+#include "base/per_processor.hpp"
 
 namespace goingrate {
 

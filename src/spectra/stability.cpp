@@ -10,8 +10,7 @@
 #include "goingrate/base/errors.hpp"
 #include "goingrate/base/sums.hpp"
 #include "mean_squares.hpp"
-#include "noise_by_ratio.hpp"
-#include "per_processor.hpp"
+#include "base/per_processor.hpp"
 #include "spectra/degrees_of_freedom.hpp"
 #include "spectra/noise_type.hpp"
 #include "square_sums.hpp"
@@ -203,13 +202,13 @@ MeanSquares mean_squares_of(Kind kind, std::span<const double> x, bool known) {
 }
 
 // Noise at the tau of a row; not identified if too little is left.
-NoiseType noise_at(Kind kind, std::span<const double> x, const NoiseByRatio& by_ratio, double tau,
+NoiseType noise_at(Kind kind, std::span<const double> x, double tau,
                    const DeviationOptions& options) {
   if (kind == Kind::mtie || kind == Kind::tierms) return {}; // without an interval it is no use
   if (options.alpha) return {*options.alpha, static_cast<double>(*options.alpha), 0, true};
   const auto m = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(tau)));
   const NoiseType found = identify_noise(x, m, is_hadamard(kind) ? 3 : 2);
-  return found.identified ? found : by_ratio.at(m);
+  return found.identified ? found : identify_noise_by_ratio(x, m);
 }
 
 double degrees_of(const Source& source, int alpha, std::size_t n, std::size_t points) {
@@ -336,18 +335,16 @@ DeviationTable stability_table(DeviationKind kind, std::span<const double> phase
   std::vector<NoiseType> noises(factors.size());
   const std::size_t threads = threads_for(options, x.size(), factors.size());
   const std::vector<MeanSquare> means = mean_squares(kind, x, series.known, factors, threads);
-  const NoiseByRatio by_ratio(x);
   share(factors.size(), threads, [&](std::size_t i) {
     const Source source = source_of(kind, factors[i], x.size());
     table.rows[i] = row_without_noise(source, means[i], tau0_s);
-    noises[i] = noise_at(kind, x, by_ratio, source.tau, options);
+    noises[i] = noise_at(kind, x, source.tau, options);
   });
   // A first row without noise borrows it from the longest time at which it can be found.
   NoiseType noise;
   if (!noises.empty() && !noises[0].identified)
-    noise =
-        noise_at(kind, x, by_ratio,
-                 static_cast<double>((x.size() - 1) / (least_points_for_noise_type - 1)), options);
+    noise = noise_at(
+        kind, x, static_cast<double>((x.size() - 1) / (least_points_for_noise_type - 1)), options);
   std::vector<std::size_t> grains;
   std::size_t noisy = 1; // the longest factor at which the rate is noisy
   for (std::size_t i = 0; i < noises.size(); ++i) {

@@ -162,6 +162,35 @@ TEST(ReadingTest, NumbersMayHaveAPlusAndLongExponents) {
   EXPECT_THROW((void)read_log("1\n2\n", "p", {.format = LogFormat::phase}), InputError);
 }
 
+// Lines that hold nothing but a number are read by a shorter way than lines with a blank behind it.
+TEST(ReadingTest, PlainPhasesAreReadAsOthersAre) {
+  const std::vector<std::string> phases{"0.0",   "1.25e-6", "-1.5E-06", "+2e-6",   "0",    "99999",
+                                        "-9e-7", "nan",     "1e-6x",    ".000004", "1e12", "7.25"};
+  std::string plain, others, windows;
+  for (int round = 0; round < 3; ++round)
+    for (const std::string& phase : phases) {
+      plain += phase + '\n';
+      others += phase + " \n";
+      windows += phase + "\r\n";
+    }
+  for (const bool alone : {false, true}) {
+    ReadingOptions options;
+    options.format = LogFormat::phase;
+    options.phases_alone = alone;
+    const ClockLog expected = read_log(others, "p", options);
+    for (const std::string& text : {plain, windows}) {
+      const ClockLog log = read_log(text, "p", options);
+      const auto &x = log.grid->phase_s, &y = expected.grid->phase_s;
+      ASSERT_EQ(x.size(), 3 * phases.size());
+      ASSERT_EQ(y.size(), x.size());
+      for (std::size_t i = 0; i < x.size(); ++i)
+        EXPECT_TRUE(x[i] == y[i] || (std::isnan(x[i]) && std::isnan(y[i]))) << i;
+      EXPECT_EQ(log.issues.size(), expected.issues.size());
+      EXPECT_EQ(log.events.size(), alone ? 3u : expected.events.size());
+    }
+  }
+}
+
 TEST(EdgeCorrectionTest, MovesAnEdgeToTheVerticalByTheSineOfItsPlace) {
   ClockLog log;
   log.events = {event_at({100, 0.0}, Edge::up, 1, 0.05), event_at({101, 0.0}, Edge::down, 2, 0.05),

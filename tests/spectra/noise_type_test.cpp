@@ -10,6 +10,7 @@
 #include <cmath>
 #include <vector>
 
+#include <Eigen/Dense>
 #include <gtest/gtest.h>
 
 #include "goingrate/base/errors.hpp"
@@ -126,6 +127,84 @@ TEST(NoiseType, ScalesSumsToThePairsThatGapsLeave) {
   // r1 errs by 0.012 whole and 0.03 holed; d(exponent)/d(r1) is 2/(1 + r1)^2 = 7.6; three of them
   EXPECT_NEAR(identify_noise(whole, 1).exponent, expected, 0.3);
   EXPECT_NEAR(identify_noise(holed, 1).exponent, expected, 0.7);
+}
+
+// The textbook, step by step: decimate, take the parabola away, correlate, difference.
+double textbook_exponent(const std::vector<double>& phase, std::size_t m) {
+  std::vector<double> z;
+  for (std::size_t i = 0; i < phase.size(); i += m)
+    z.push_back(phase[i]);
+  Eigen::MatrixXd powers(static_cast<Eigen::Index>(z.size()), 3);
+  for (Eigen::Index i = 0; i < powers.rows(); ++i) {
+    const double t = static_cast<double>(i) / static_cast<double>(powers.rows()) - 0.5;
+    powers.row(i) << 1.0, t, t * t;
+  }
+  Eigen::Map<Eigen::VectorXd> values(z.data(), powers.rows());
+  values -= powers * powers.colPivHouseholderQr().solve(values.eval());
+  for (int d = 0;; ++d) {
+    double mean = 0.0, products = 0.0, squares = 0.0;
+    for (const double v : z)
+      mean += v / static_cast<double>(z.size());
+    for (std::size_t i = 0; i < z.size(); ++i) {
+      squares += (z[i] - mean) * (z[i] - mean);
+      if (i > 0) products += (z[i] - mean) * (z[i - 1] - mean);
+    }
+    const double rho = products / squares / (1.0 + products / squares);
+    if (rho < 0.25 || d == 2) return 2.0 - 2.0 * (rho + d);
+    for (std::size_t i = 0; i + 1 < z.size(); ++i)
+      z[i] = z[i + 1] - z[i];
+    z.pop_back();
+  }
+}
+
+TEST(NoiseType, IsThatOfTheTextbookInSeriesOfAnyLength) {
+  for (const int alpha : {2, 0, -2})
+    for (const std::size_t points : {30u, 1024u, 1025u, 1026u, 4099u}) {
+      const std::vector<double> phase = power_law_phase(alpha, points, points);
+      for (const std::size_t m : {1u, 3u}) {
+        if (points / m < least_points_for_noise_type) continue;
+        // Sums of thousands of terms in another order, of a walk that is thousands of steps wide.
+        EXPECT_NEAR(identify_noise(phase, m).exponent, textbook_exponent(phase, m), 1e-8)
+            << alpha << ' ' << points << ' ' << m;
+      }
+    }
+}
+
+// MVAR/AVAR with windows summed one by one, and what it says: 2 or 1.
+int phase_noise_by_definition(const std::vector<double>& x, std::size_t m) {
+  const auto mean = [&](std::size_t i) {
+    double sum = 0.0;
+    for (std::size_t k = i; k < i + m; ++k)
+      sum += x[k];
+    return sum / static_cast<double>(m);
+  };
+  double modified = 0.0, plain = 0.0, windows = 0.0, points = 0.0;
+  for (std::size_t i = 0; i + 2 * m < x.size(); i += m / 16) {
+    plain += std::pow(x[i + 2 * m] - 2.0 * x[i + m] + x[i], 2);
+    ++points;
+    if (i + 3 * m > x.size()) continue;
+    modified += std::pow(mean(i + 2 * m) - 2.0 * mean(i + m) + mean(i), 2);
+    ++windows;
+  }
+  const double factor = static_cast<double>(m);
+  const double flicker =
+      1.5 * std::log(256.0 / 27.0) / (1.038 + 3.0 * std::log(std::acos(-1.0) * factor));
+  return modified / windows / (plain / points) < std::sqrt(flicker / factor) ? 2 : 1;
+}
+
+TEST(NoiseType, ByRatioTellsPhaseNoisesApartByWindowsOfAnyLength) {
+  int phase_noises = 0;
+  for (const std::size_t m :
+       {47u, 130u, 300u}) // windows that are summed in parts of different size
+    for (std::uint64_t seed = 1; seed <= 10; ++seed)
+      for (const int alpha : {2, 1}) {
+        const std::vector<double> phase = power_law_phase(alpha, 12 * m, seed);
+        const int found = identify_noise_by_ratio(phase, m).alpha;
+        if (found < 1) continue;
+        ++phase_noises;
+        EXPECT_EQ(found, phase_noise_by_definition(phase, m)) << m << ' ' << seed << ' ' << alpha;
+      }
+  EXPECT_GT(phase_noises, 40);
 }
 
 TEST(NoiseType, AsksForThirtyNeighbouringPoints) {

@@ -29,6 +29,7 @@ print isochronism 300 "$base"
 print ring_down 10 "$base"
 print monitor 4 "$base"
 print watch_cost
+print ten_years
 print report_speed 7 "$base"
 print speed 10000000
 for name in solvers fit_speed fit_peer reading stability python web; do

@@ -121,7 +121,7 @@ private:
 };
 
 /// What a pickle begins with: the kind of thing and the version of its members.
-inline constexpr std::string_view archive_version = "goingrate 14 ";
+inline constexpr std::string_view archive_version = "goingrate 15 ";
 
 template <class... Parts> std::string archived(std::string_view kind, const Parts&... parts) {
   Writer writer;

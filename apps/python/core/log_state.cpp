@@ -24,6 +24,7 @@ NumberedLog copy_of(const NumberedLog& loaded) {
   copy.chosen = loaded.chosen;
   copy.nominal_period_s = loaded.nominal_period_s;
   copy.nominal_is_known = loaded.nominal_is_known;
+  copy.crossings = loaded.crossings;
   copy.sensor = loaded.sensor;
   point_into_itself(copy, is_all_good(loaded));
   return copy;
@@ -31,14 +32,14 @@ NumberedLog copy_of(const NumberedLog& loaded) {
 
 std::string bytes_of(const NumberedLog& loaded) {
   return archived("log", loaded.log, loaded.beats, loaded.chosen, loaded.nominal_period_s,
-                  loaded.nominal_is_known, loaded.sensor, is_all_good(loaded));
+                  loaded.nominal_is_known, loaded.crossings, loaded.sensor, is_all_good(loaded));
 }
 
 NumberedLog log_of(std::string_view bytes) {
   NumberedLog loaded;
   bool all_good = false;
   restore("log", bytes, loaded.log, loaded.beats, loaded.chosen, loaded.nominal_period_s,
-          loaded.nominal_is_known, loaded.sensor, all_good);
+          loaded.nominal_is_known, loaded.crossings, loaded.sensor, all_good);
   point_into_itself(loaded, all_good);
   return loaded;
 }

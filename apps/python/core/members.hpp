@@ -35,7 +35,7 @@ GOINGRATE_MEMBERS(ClockLog, source, files, format, events, grid, readings, colum
                   sound, time_base_sigma, has_amplitude, directions_are_open, nominal_period_s, flag_width_rad, gravity_share, assumptions, issues)
 GOINGRATE_MEMBERS(Gap, after_cycle, length, probability, bridged, kind)
 GOINGRATE_MEMBERS(Beats, beats, gaps, typical_period_s, scatter_s, step, missed, spurious, rivals,
-                  bounces, segments, longest_countable_gap)
+                  bounces, has_downward, segments, longest_countable_gap)
 GOINGRATE_MEMBERS(SensorEstimate, value, sigma)
 GOINGRATE_MEMBERS(AmplitudeSummary, mean_rad, rms_rad, sigma_rad)
 GOINGRATE_MEMBERS(SensorFindings, beat_error_s, sides_are_unknown, offset_rad, at_vertical, amplitude, gravity_share)

@@ -7,6 +7,8 @@
 #include "goingrate/log/reading.hpp"
 #include "goingrate/log/weather.hpp"
 
+#include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -29,6 +31,13 @@ struct LoadRequest {
   /// Of the restoring torque, see clock/restoring.hpp; -10 to 1.5. None: as the log states it, or 1.
   std::optional<double> gravity_share{};
   double gap_probability = NumberingOptions{}.least_probability;
+  /// A log in one file that has more events is read and numbered in parts of about so many, at
+  /// least 1000, so that all of it is never in memory; while one part is numbered, the next is read
+  /// (LoadPartsTest). Logs whose events do not stand by themselves (samples of an angle, data on a
+  /// grid, labels with errors, newest first) are never divided.
+  std::size_t part_events = std::numeric_limits<std::size_t>::max();
+  /// Of a log in parts, no more beats are kept than this: every second, fourth, eighth ...
+  std::size_t most_beats = std::numeric_limits<std::size_t>::max();
   bool phases_will_do =
       false; ///< data on a grid are accepted as they are, also if they are not a clock's, and no
              ///< beats are made from them
@@ -48,8 +57,20 @@ struct NumberedLog {
   std::span<const Beat> good; ///< the good beats of the longest segment
   double nominal_period_s = 0.0;
   bool nominal_is_known = true;
+  std::int64_t crossings = 0; ///< of a log in parts: good beats of the segment, those that were not
+                              ///< kept too; else 0
   SensorFindings sensor;
 };
+
+/// Events of a log, numbered, as they are ready: `log.beats.beats` from number `first` to before
+/// number `end`, with their columns. Those before and after are given out with another part. Cycles,
+/// segments and gaps are those of the whole log.
+struct LogPart {
+  const NumberedLog& log;
+  std::size_t first = 0, end = 0;
+  std::size_t lines_expected = 0; ///< of the whole log; 0 if that is not known
+};
+using LogVisitor = std::function<void(const LogPart&)>;
 
 /// Reads the log and its weather, marks bounces, labels directions, numbers the beats, settles the
 /// nominal period, finds amplitudes and the sensor's offset, and numbers again if that moved the
@@ -60,7 +81,11 @@ struct NumberedLog {
 /// ImpossibleReading if the times or periods that were read cannot be those of a clock,
 /// NumericsError if no three consecutive beats could be numbered or the sensor's offset is asked
 /// for and cannot be found.
-NumberedLog load(const LoadRequest& request);
+///
+/// `visit` gets the events as they are numbered, of a log in parts one part after the other, of
+/// another log all at once. It may be called from another thread. What is thrown after it was called
+/// makes void what it got.
+NumberedLog load(const LoadRequest& request, const LogVisitor& visit = {});
 
 /// The same for a text in memory; `path` names it in messages.
 NumberedLog load_text(std::string_view text, const LoadRequest& request);
@@ -81,5 +106,7 @@ struct PhaseSeries {
   double tau0_s = 1.0;
 };
 PhaseSeries phase_series(const NumberedLog& loaded);
+/// The same, without a copy of data on a grid.
+PhaseSeries phase_series(NumberedLog&& loaded);
 
 } // namespace goingrate

@@ -38,6 +38,7 @@ struct Beats {
   std::int64_t spurious = 0;     ///< events in either direction
   std::int64_t rivals = 0;
   std::int64_t bounces = 0; ///< events that follow an edge within the dead time
+  bool has_downward = false; ///< some of the events are downward crossings
   std::uint32_t segments = 1;
   /// The longest gap, in cycles, that in the middle of a log as steady as this one would be counted
   /// with the required probability in 95 of 100 cases.

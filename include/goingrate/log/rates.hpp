@@ -96,8 +96,9 @@ std::vector<double> clock_error(std::span<const Beat> beats, double nominal_peri
 /// mean rate over the gap, so that the series adds up to the time that the clock gained.
 std::vector<double> rate_on_every_cycle(std::span<const Beat> beats, double nominal_period_s);
 
-/// A series with one value for each cycle from the first beat to the last; NaN where a beat is
-/// missing. `values` has one value for each beat.
-std::vector<double> on_every_cycle(std::span<const Beat> beats, std::span<const double> values);
+/// A series with one value for each cycle, or for every `step`-th, from the first beat to the last;
+/// NaN where a beat is missing. `values` has one value for each beat.
+std::vector<double> on_every_cycle(std::span<const Beat> beats, std::span<const double> values,
+                                   std::int64_t step = 1);
 
 } // namespace goingrate

@@ -40,6 +40,7 @@ struct ReadingOptions {
   std::optional<double> rest_angle_rad{}; ///< of angle samples: the angle at rest
   std::optional<bool> month_first{}; ///< in dates such as 03/04/2013; else the day comes first
   double zone_s = 0.0; ///< of dates that name no zone: east of Greenwich, s
+  bool phases_alone = false; ///< data on a grid: their phases are wanted, and no events but three
   bool weather = false; ///< a table of the weather: two readings are enough, of any distance
   bool strict = false;                    ///< the first issue is an error
   std::uint64_t unpacked_limit = usual_unpacked_limit; ///< of a packed file, bytes

@@ -59,6 +59,8 @@ public:
   /// Appends the row of the i-th event, after those of the cycles missed before it. Events come in
   /// order.
   void append(std::string& text, const Beat& beat, std::size_t i);
+  /// The events that follow are of the next part of the log, with these columns and gaps.
+  void go_on(const EventColumns& columns, const std::vector<Gap>& gaps);
 
 private:
   void append_bad(DecimalText& line, const Beat& beat, std::size_t i);
@@ -70,8 +72,8 @@ private:
   bool is_step_after(std::int64_t cycle);
 
   Options options_;
-  const EventColumns& columns_;
-  const std::vector<Gap>& gaps_;
+  const EventColumns* columns_;
+  const std::vector<Gap>* gaps_;
   std::size_t gap_ = 0;
   std::size_t extras_ = 0;
   std::optional<Beat> last_;

@@ -1,5 +1,5 @@
 // Functions that are compiled twice: for any processor, and for those with a further set of
-// instructions. Private to the spectra room.
+// instructions.
 #pragma once
 
 // GOINGRATE_PER_PROCESSOR("avx2") before a function: the program picks the version for the
