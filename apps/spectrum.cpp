@@ -59,8 +59,15 @@ std::string fold(const SpectrumCommand& options, const DriveAnalysis& drive, dou
   return profile_table(folded(drive.rates, period_s, options.fold_s, bins));
 }
 
-// The series that the rate is compared with, per cycle; an unknown value repeats the one before.
-std::vector<double> cause_of(const SpectrumCommand& options, const NumberedLog& loaded) {
+// Cycles from one value of the rate to the next.
+std::int64_t step_of(const DriveAnalysis& drive, const NumberedLog& loaded) {
+  return std::llround(drive.interval_s / loaded.nominal_period_s);
+}
+
+// The series that the rate is compared with, one value for each of its; an unknown value repeats
+// the one before.
+std::vector<double> cause_of(const SpectrumCommand& options, const NumberedLog& loaded,
+                             std::int64_t step) {
   const TimingData data = fit_data(loaded);
   const auto term = std::find_if(data.terms.begin(), data.terms.end(),
                                  [&](const RateTerm& t) { return t.name == options.against; });
@@ -72,7 +79,8 @@ std::vector<double> cause_of(const SpectrumCommand& options, const NumberedLog& 
                                    : (term->advance_s[i] - term->advance_s[i - 1]) /
                                          (data.elapsed_s[i] - data.elapsed_s[i - 1]);
     if (std::isfinite(value)) known = value;
-    cause.insert(cause.end(), static_cast<std::size_t>(data.cycle[i] - data.cycle[i - 1]), known);
+    const auto cycles = static_cast<std::int64_t>(data.cycle[i] - data.cycle[i - 1]);
+    cause.insert(cause.end(), static_cast<std::size_t>(cycles / step), known);
   }
   return cause;
 }
@@ -94,23 +102,25 @@ std::string coherence(const SpectrumCommand& options, const NumberedLog& loaded,
                       const DriveAnalysis& drive) {
   if (options.coherence_output.empty()) return {};
   constexpr std::size_t usual_tapers = 16;
-  return coherence_table(cross_spectrum(cause_of(options, loaded), drive.rates,
-                                        loaded.nominal_period_s,
+  return coherence_table(cross_spectrum(cause_of(options, loaded, step_of(drive, loaded)),
+                                        drive.rates, drive.interval_s,
                                         options.tapers > 1 ? options.tapers : usual_tapers));
 }
 
 // The rate of every period that was seen whole; a missed beat leaves a gap.
-std::string gapped(const SpectrumCommand& options, const NumberedLog& loaded) {
+std::string gapped(const SpectrumCommand& options, const NumberedLog& loaded,
+                   const DriveAnalysis& drive) {
   if (options.gapped_output.empty()) return {};
+  const std::int64_t step = step_of(drive, loaded);
   std::vector<double> rates;
   for (std::size_t i = 1; i < loaded.good.size(); ++i) {
     const Beat &before = loaded.good[i - 1], &beat = loaded.good[i];
-    const bool whole = beat.cycle == before.cycle + 1;
-    rates.insert(rates.end(), static_cast<std::size_t>(beat.cycle - before.cycle),
-                 whole ? loaded.nominal_period_s / (beat.time - before.time) - 1.0
-                       : std::numeric_limits<double>::quiet_NaN());
+    const std::int64_t cycles = beat.cycle - before.cycle;
+    rates.insert(rates.end(), static_cast<std::size_t>(cycles / step),
+                 cycles == step ? drive.interval_s / (beat.time - before.time) - 1.0
+                                : std::numeric_limits<double>::quiet_NaN());
   }
-  return gapped_table(lomb_scargle(rates, loaded.nominal_period_s));
+  return gapped_table(lomb_scargle(rates, drive.interval_s));
 }
 
 std::string plot_of(const SpectrumCommand& options, const NumberedLog& loaded,
@@ -148,17 +158,16 @@ void run(const SpectrumCommand& options, const GlobalOptions& global) {
     text += covariate_text(effect) + "\n";
   const bool talk = options.json != "-" && options.output != "-" && options.fold_output != "-" &&
                     options.gapped_output != "-" && options.coherence_output != "-";
-  write_whole_files(
-      {{options.json, spectrum_json(drive)},
-       {options.plot, plot_of(options, loaded, drive)},
-       {options.output, options.tapers == 0
-                            ? spectrum_table(drive)
-                            : tapered_table(multitaper_spectrum(
-                                  drive.rates, loaded.nominal_period_s, options.tapers, false))},
-       {options.gapped_output, gapped(options, loaded)},
-       {options.coherence_output, coherence(options, loaded, drive)},
-       {options.fold_output, fold(options, drive, loaded.nominal_period_s)},
-       {talk ? "-" : "", text}});
+  write_whole_files({{options.json, spectrum_json(drive)},
+                     {options.plot, plot_of(options, loaded, drive)},
+                     {options.output, options.tapers == 0 ? spectrum_table(drive)
+                                                          : tapered_table(multitaper_spectrum(
+                                                                drive.rates, drive.interval_s,
+                                                                options.tapers, false))},
+                     {options.gapped_output, gapped(options, loaded, drive)},
+                     {options.coherence_output, coherence(options, loaded, drive)},
+                     {options.fold_output, fold(options, drive, drive.interval_s)},
+                     {talk ? "-" : "", text}});
 }
 
 } // namespace

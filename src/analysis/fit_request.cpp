@@ -213,9 +213,23 @@ FitOptions fit_options(const FitRequest& request, const NumberedLog& loaded) {
   return with_seen_weather(with_seen_offset(std::move(result), loaded), loaded);
 }
 
+namespace {
+
+double number_of(std::string_view text, std::string_view request, std::string_view legal) {
+  const auto value = parse_instant(text); // takes the whole text or fails
+  if (!value) throw ArgumentError(request, text, legal);
+  return value->to_double();
+}
+
+double number_for(std::string_view parameter, std::string_view request, std::string_view text) {
+  return number_of(text, request, fmt::format("a number, for {}", parameter));
+}
+
+} // namespace
+
 std::pair<std::string, double> parse_fixed(const std::string& text) {
   const auto [name, value] = named("fix", text, "NAME=VALUE");
-  return {name, number_in("fix", value)};
+  return {name, number_for(name, "fix", value)};
 }
 
 Prior parse_prior(const std::string& text) {
@@ -223,15 +237,13 @@ Prior parse_prior(const std::string& text) {
   const auto [name, rest] = named("prior", text, form);
   for (const std::string_view sign : {"+-", "±"})
     if (const std::size_t at = rest.find(sign); at != std::string::npos)
-      return {name, number_in("prior", rest.substr(0, at)),
-              number_in("prior", rest.substr(at + sign.size()))};
+      return {name, number_for(name, "prior", rest.substr(0, at)),
+              number_for(name, "prior", rest.substr(at + sign.size()))};
   throw ArgumentError("prior", text, form);
 }
 
 double number_in(std::string_view name, std::string_view text) {
-  const auto value = parse_instant(text); // takes the whole text or fails
-  if (!value) throw ArgumentError(name, text, "a number");
-  return value->to_double();
+  return number_of(text, name, "a number");
 }
 
 } // namespace goingrate

@@ -128,7 +128,8 @@ class PartJoiner {
 public:
   PartJoiner(LogParts& parts, const LoadRequest& request, const LogVisitor& visit)
       : parts_(parts), request_(request), visit_(visit),
-        overlap_(std::min(usual_overlap, request.part_events / parts_in_first / 4)), kept_(request.most_beats) {}
+        overlap_(std::min(usual_overlap, request.part_events / parts_in_first / 4)),
+        kept_(request.most_beats) {}
 
   // After the first part was read. While one part is numbered, the next is read.
   NumberedLog run() {
@@ -185,6 +186,7 @@ private:
     const std::size_t held_back = is_last ? 0 : std::min(beats.size(), overlap_ / 2);
     const std::size_t end = std::max(first, beats.size() - held_back);
     if (last_line_ == 0) begin(numbered);
+    has_amplitude_ = has_amplitude_ || numbered.log.has_amplitude;
     move_by(shift_of(beats, first), first, numbered);
     take(first, end, numbered);
     if (visit_) visit_({numbered, first, end, parts_.lines_expected()});
@@ -297,6 +299,7 @@ private:
     const std::int64_t every = kept_.every();
     result_.log = std::move(parts_.log());
     result_.log.events.clear();
+    result_.log.has_amplitude = has_amplitude_;
     result_.log.weather = std::move(weather_);
     for (Assumption& assumption : assumptions_)
       result_.log.assumptions.push_back(std::move(assumption));
@@ -318,8 +321,9 @@ private:
   LoadRequest request_;
   const LogVisitor& visit_;
   std::size_t overlap_;
-  std::vector<Beat> spare_;                      // memory for the next part
-  bool alternates_ = false;                      // directions do, and the log does not tell them
+  std::vector<Beat> spare_; // memory for the next part
+  bool alternates_ = false; // directions do, and the log does not tell them
+  bool has_amplitude_ = false;
   std::uint32_t first_line_ = 0, last_line_ = 0; // of the next part; of what was handed out
   std::vector<Place> places_;           // of the last beats that were handed out, backwards
   std::vector<std::int64_t> crossings_; // good beats of each segment

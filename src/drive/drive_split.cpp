@@ -8,6 +8,7 @@
 #include "base/scaled_time.hpp"
 #include "base/special_values.hpp"
 #include "goingrate/base/errors.hpp"
+#include "log/usual_step.hpp"
 
 #include <algorithm>
 #include <array>
@@ -205,13 +206,15 @@ std::string note_on(const DriveSplit& split, double memory_s, double length_s,
 
 std::vector<double> rate_about_fit(std::span<const Beat> beats, double nominal_period_s,
                                    const FitSummary& fit) {
-  if (fit.residual_s.size() != beats.size()) return rate_on_every_cycle(beats, nominal_period_s);
+  const bool is_fitted = fit.residual_s.size() == beats.size();
+  const std::int64_t step = usual_step(beats);
   std::vector<double> series;
   for (std::size_t i = 1; i < beats.size(); ++i) {
-    const double late = fit.residual_s[i] - fit.residual_s[i - 1];
-    const double rate = -late / (beats[i].time - beats[i - 1].time);
-    series.insert(series.end(), static_cast<std::size_t>(beats[i].cycle - beats[i - 1].cycle),
-                  rate);
+    const Beat &before = beats[i - 1], &beat = beats[i];
+    const double rate =
+        is_fitted ? (fit.residual_s[i - 1] - fit.residual_s[i]) / (beat.time - before.time)
+                  : rate_between(before, beat, nominal_period_s);
+    series.insert(series.end(), static_cast<std::size_t>((beat.cycle - before.cycle) / step), rate);
   }
   return series;
 }
@@ -306,8 +309,8 @@ ClockParameters with_logged_drive(ClockParameters clock, std::span<const Beat> b
 // the drive; a fit sees every beat by itself. With less than this missed it hardly shows.
 constexpr double most_missed = 0.05;
 
-double share_of_missed(std::span<const Beat> beats) {
-  const auto cycles = static_cast<double>(beats.back().cycle - beats.front().cycle);
+double share_of_missed(std::span<const Beat> beats, std::int64_t step) {
+  const auto cycles = static_cast<double>((beats.back().cycle - beats.front().cycle) / step);
   return 1.0 - static_cast<double>(beats.size() - 1) / cycles;
 }
 
@@ -320,29 +323,33 @@ DriveAnalysis analyse_drive(std::span<const Beat> beats, double nominal_period_s
       fit.has_result() && !fit.parameters.empty() && fit.model.escapement == Escapement::none;
   drive.sees_amplitude = !fit.amplitude_residual_rad.empty();
   drive.rates = rate_about_fit(beats, nominal_period_s, fit);
+  const std::int64_t step = usual_step(beats);
+  const double interval_s = drive.interval_s = static_cast<double>(step) * nominal_period_s;
   const auto& rates = drive.rates;
   if (rates.size() < 8) return drive;
   // A single segment reaches the lowest frequencies. A trend is not removed: it too is a slow
   // variation of the drive.
   drive.rate_spectrum =
-      welch_spectrum(rates, nominal_period_s, {.segment = rates.size(), .detrend_linear = false});
+      welch_spectrum(rates, interval_s, {.segment = rates.size(), .detrend_linear = false});
   auto clock = fitted_clock(fit);
-  const std::size_t since = clock ? settled_since(fit, *clock, rates.size()) : 0;
+  const std::size_t cycles = rates.size() * static_cast<std::size_t>(step);
+  const std::size_t since = clock ? settled_since(fit, *clock, cycles) : 0;
+  const std::size_t since_rate = since / static_cast<std::size_t>(step);
   if (clock) {
     clock = with_logged_drive(*clock, beats, fit, since);
     drive.response = drive_response(*clock);
   }
   constexpr std::size_t fewest_rates = 64;
   if (rates.size() < fewest_rates) return drive;
-  drive.lines = find_lines(rates, nominal_period_s);
+  drive.lines = find_lines(rates, interval_s);
   if (!drive.response || is_constant(rates)) return drive;
-  if (rates.size() - since < fewest_rates) return drive;
-  const std::vector<double> lineless = without_lines(rates, nominal_period_s, drive.lines);
-  drive.split = split_drive(std::span(lineless).subspan(since), nominal_period_s, *drive.response,
+  if (rates.size() - since_rate < fewest_rates) return drive;
+  const std::vector<double> lineless = without_lines(rates, interval_s, drive.lines);
+  drive.split = split_drive(std::span(lineless).subspan(since_rate), interval_s, *drive.response,
                             split_hz, drive.rate_spectrum->frequency_hz);
   // The gains come from a fit, and their uncertainty adds to that of the sizes.
   DriveSplit& split = *drive.split;
-  const double nyquist_hz = 0.5 / nominal_period_s;
+  const double nyquist_hz = 0.5 / interval_s;
   const double fast_hz = std::sqrt(drive.response->corner_hz * nyquist_hz);
   const double slow_hz =
       split.slow_time_s > 0.0 ? 1.0 / (two_pi * split.slow_time_s) : drive.response->corner_hz;
@@ -351,7 +358,7 @@ DriveAnalysis analyse_drive(std::span<const Beat> beats, double nominal_period_s
   // The drive is the rate divided by the gain: a gain that may be zero does not give its size.
   if (!(std::max(fast_gain_sigma, slow_gain_sigma) < 1.0)) drive.split.reset();
   if (!drive.split) return drive;
-  if (!fit.model.drive && share_of_missed(beats) > most_missed) split.fast.low68 = 0.0;
+  if (!fit.model.drive && share_of_missed(beats, step) > most_missed) split.fast.low68 = 0.0;
   split.fast = widened(split.fast, fast_gain_sigma);
   split.slow = widened(split.slow, slow_gain_sigma);
   return drive;

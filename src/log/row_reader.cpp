@@ -13,15 +13,6 @@
 
 namespace goingrate {
 
-namespace {
-
-// As the comparison of Instants, which also answers for NaN and is slower.
-bool is_before(const Instant& a, const Instant& b) {
-  return a.seconds < b.seconds || (a.seconds == b.seconds && a.fraction < b.fraction);
-}
-
-} // namespace
-
 RowReader::RowReader(const Layout& layout, const ReadingOptions& options, ClockLog& log)
     : layout_(layout), log_(log), issues_(log, options.strict),
       unwrap_(unwrapping(layout, options.nominal_period_s)), time_(layout.find(ColumnRole::time)),

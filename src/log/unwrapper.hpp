@@ -8,6 +8,11 @@
 
 namespace goingrate {
 
+/// As the comparison of Instants, which also answers for NaN and is slower.
+inline bool is_before(const Instant& a, const Instant& b) {
+  return a.seconds < b.seconds || (a.seconds == b.seconds && a.fraction < b.fraction);
+}
+
 /// Turns times that start again from zero into one continuous run.
 class Unwrapper {
 public:
@@ -22,8 +27,11 @@ public:
   /// `typical_step_s()`: of the steps before, to know a wrap from a jump; seldom asked.
   template <class TypicalStep> Instant operator()(const Instant& raw, TypicalStep typical_step_s) {
     if (!last_raw_) first_s_ = raw.to_double();
-    const bool plain = wraps_ == 0 && !settings_.step_s && (!last_raw_ || raw >= *last_raw_);
-    if (!plain) return placed(raw, typical_step_s());
+    const bool plain = wraps_ == 0 && !settings_.step_s && (!last_raw_ || !is_before(raw, *last_raw_));
+    if (!plain) {
+      const Instant same{raw.seconds, raw.fraction}; // so that `raw` may stay in registers
+      return placed(same, typical_step_s());
+    }
     last_raw_ = raw;
     return raw;
   }

@@ -7,9 +7,10 @@
 namespace goingrate {
 
 MeanAmplitude amplitude_at(const std::vector<Beat>& beats, bool end) {
-  constexpr std::size_t most_beats = 20;
+  constexpr std::size_t fewest_beats = 2, most_beats = 20;
+  const std::size_t taken = std::clamp(beats.size() / 4, fewest_beats, most_beats);
   std::vector<double> amplitudes;
-  for (std::size_t i = 0; i < std::min(most_beats, beats.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(taken, beats.size()); ++i) {
     const double amplitude = beats[end ? beats.size() - 1 - i : i].amplitude_rad;
     if (std::isfinite(amplitude)) amplitudes.push_back(amplitude);
   }

@@ -8,14 +8,15 @@
 
 namespace goingrate {
 
-/// The mean of up to twenty amplitudes, with the standard error of that mean; NaN where unknown.
+/// A mean of amplitudes, with the standard error of that mean; NaN where unknown.
 struct MeanAmplitude {
   double rad = std::numeric_limits<double>::quiet_NaN();
   double sigma_rad = std::numeric_limits<double>::quiet_NaN();
   int beats = 0;
 };
 
-/// The mean amplitude of the first twenty beats, or with `end` of the last twenty.
+/// The mean amplitude of the first quarter of the beats, or with `end` of the last, but of no more
+/// than twenty.
 MeanAmplitude amplitude_at(const std::vector<Beat>& beats, bool end);
 
 } // namespace goingrate

@@ -192,7 +192,7 @@ std::vector<Malformed> options() {
       {"UnknownOption", rate("--frobnicate"), good, 2, "--frobnicate"},
       {"FixWhatIsNot", fit("--fix eps=1"), good, 2, "eps"},
       {"FixWithoutValue", fit("--fix epsilon"), good, 2, "fix = 'epsilon': must be NAME=VALUE"},
-      {"FixToAWord", fit("--fix epsilon=small"), good, 2, "fix = 'small': must be a number"},
+      {"FixToAWord", fit("--fix epsilon=small"), good, 2, "fix = 'small': must be a number, for epsilon"},
       {"FixToMinus", fit("--fix epsilon=-1"), good, 2, "epsilon"},
       {"PriorWithoutSigma", fit("--prior epsilon=1e-4"), good, 2, "NAME=VALUE+-SIGMA"},
       {"PriorWithNegativeSigma", fit("--prior epsilon=1e-4+--1"), good, 2, "prior"},

@@ -95,7 +95,7 @@ GOINGRATE_MEMBERS(RmsEstimate, rms, low68, high68)
 GOINGRATE_MEMBERS(DriveCost, after_s, fast_s, slow_s)
 GOINGRATE_MEMBERS(DriveSplit, split_hz, at_frequency, fast, slow, jitter_s, slow_time_s, slow_gain,
                   costs, jitter_density, fast_density, slow_density, note)
-GOINGRATE_MEMBERS(DriveAnalysis, rates, rate_spectrum, lines, response, split, swings_freely,
+GOINGRATE_MEMBERS(DriveAnalysis, rates, interval_s, rate_spectrum, lines, response, split, swings_freely,
                   sees_amplitude)
 
 GOINGRATE_MEMBERS(Change, cycle, at_s, rate_change, rate_change_sigma, amplitude_slope_change,

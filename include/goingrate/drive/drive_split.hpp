@@ -66,7 +66,8 @@ struct DriveSplit {
 
 /// The series whose spectrum is taken: the rate of each cycle less that of the fitted model, so
 /// that the changes in the model do not count as variation; without a fit the rate itself. One
-/// value per cycle; its mean is not removed.
+/// value per cycle, or where nine in ten beats are equally many cycles apart, one for so many; its
+/// mean is not removed.
 std::vector<double> rate_about_fit(std::span<const Beat> beats, double nominal_period_s,
                                    const FitSummary& fit);
 
@@ -82,6 +83,7 @@ DriveSplit split_drive(std::span<const double> rates, double period_s,
 /// The drive of a clock, as far as its rate shows it.
 struct DriveAnalysis {
   std::vector<double> rates;             ///< rate_about_fit
+  double interval_s = 0.0;               ///< from one of them to the next
   std::optional<Spectrum> rate_spectrum; ///< of `rates`, in one segment; nothing below nine beats
   std::vector<SpectralLine> lines;       ///< of the rate; nothing below 64 beats
   std::optional<DriveResponse> response; ///< if epsilon, mu and phi0 are known to a tenth
