@@ -232,6 +232,9 @@ std::string Sentences::every_nth() const {
   const std::int64_t step = usual_step(data_.beats);
   if (step < 2) return {};
   const double nominal_s = data_.rate.nominal_period_s;
+  const bool is_thinned = data_.rate.crossings > static_cast<std::int64_t>(data_.beats.size());
+  if (is_thinned)
+    return fmt::format("Of this long log one beat in {} was taken for the analysis.", step);
   if (step > 2)
     return fmt::format("The log holds one in {} of the swings, whose period should be {:.6g} s.",
                        step, nominal_s);

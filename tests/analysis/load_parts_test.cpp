@@ -1,4 +1,5 @@
 // Logs that are read in parts, against the same logs read whole.
+#include "goingrate/analysis/analyse.hpp"
 #include "goingrate/analysis/phases.hpp"
 
 #include "goingrate/base/random.hpp"
@@ -138,6 +139,23 @@ TEST_F(LoadPartsTest, KeepsEveryKthBeatAndTheLast) {
   const PhaseSeries phase = phase_series(kept);
   EXPECT_EQ(phase.tau0_s, 96.0);
   EXPECT_EQ(phase.phase_s.size(), static_cast<std::size_t>((cycles - 1) / 64 + 1));
+}
+
+// The jitter of the beats that are kept is that of all, and the rates between them are so long.
+TEST_F(LoadPartsTest, AnAnalysisOfEveryKthBeatFindsTheSameNoise) {
+  LoadRequest request = request_for({.name = "log"});
+  request.most_beats = 30'000;
+  AnalysisRequest of;
+  of.traces_profiles = false;
+  const Analysis data = analyse(load(in_parts(request, 16'000)), of);
+  EXPECT_EQ(data.numbered.step, 4);
+  EXPECT_EQ(data.rate.crossings, cycles);
+  EXPECT_EQ(data.drive.interval_s, 6.0);
+  EXPECT_EQ(data.drive.rates.size(), data.beats.size() - 2); // the last beat is off the grid
+  EXPECT_EQ(data.deviation.rows[0].tau_s, 6.0);
+  ASSERT_TRUE(data.fit.has_result());
+  // 25 000 beats tell it to 0.5 %, and the walk of 2 µs a beat adds to it
+  EXPECT_NEAR(data.fit["jitter_rms"].value, 1e-5, 3e-7);
 }
 
 TEST_F(LoadPartsTest, ASetClockBeginsASegmentInAnyPart) {

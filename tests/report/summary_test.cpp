@@ -453,6 +453,10 @@ TEST(SummaryTest, HalfThePeriodIsNoFaultOfTheSensor) {
   const std::string text = all_of(report_sentences(data));
   EXPECT_NE(text.find("Every second beat is missing"), std::string::npos) << text;
   EXPECT_NE(text.find("takes 6 s here"), std::string::npos) << text;
+  data.rate.crossings = 2 * static_cast<std::int64_t>(data.beats.size()); // and half were left out
+  const std::string thinned = all_of(report_sentences(data));
+  EXPECT_NE(thinned.find("one beat in 2 was taken"), std::string::npos) << thinned;
+  EXPECT_EQ(thinned.find("is missing"), std::string::npos) << thinned;
 }
 
 TEST(SummaryTest, AVisitHasItsDirection) {

@@ -164,6 +164,7 @@ TEST(TextTest, BouncesAreCountedWhereThereAreAny) {
   };
   beats.beats = {beat(0, 0.0), down(0),      beat(1, 2.0), beat(2, 4.0),
                  down(3),      beat(4, 8.0), down(4),      beat(5, 10.0)};
+  beats.has_downward = true;
   EXPECT_NE(first_line().find("; 3 missed (and 2 of the other direction), 0"), std::string::npos)
       << first_line();
 }
