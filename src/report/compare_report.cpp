@@ -14,7 +14,7 @@ namespace goingrate {
 
 namespace {
 
-constexpr int width = 11; // of a column of deviations
+constexpr int column_width = 11; // of a column of deviations
 
 std::string letter(std::size_t clock) { return fmt::format("{}", clock + 1); }
 
@@ -23,8 +23,8 @@ std::string name_of_pair(const ClockPair& pair) {
 }
 
 std::string cell(double value) {
-  return std::isfinite(value) ? fmt::format(" {:>{}.3e}", value, width)
-                              : fmt::format(" {:>{}}", "–", width);
+  return std::isfinite(value) ? fmt::format(" {:>{}.3e}", value, column_width)
+                              : fmt::format(" {:>{}}", "–", column_width);
 }
 
 std::string going(const RateSummary& rate) {
@@ -57,9 +57,9 @@ std::string deviations_text(const Comparison& comparison, std::string_view title
   std::string text = fmt::format("\n{}\n", title);
   text += fmt::format("{:>9}", "τ/s");
   for (std::size_t i = 0; i < comparison.clocks.size(); ++i)
-    text += fmt::format(" {:>{}}", letter(i), width);
+    text += fmt::format(" {:>{}}", letter(i), column_width);
   for (const ClockPair& pair : comparison.pairs)
-    text += fmt::format(" {:>{}}", name_of_pair(pair), width);
+    text += fmt::format(" {:>{}}", name_of_pair(pair), column_width);
   text += '\n';
   const auto& rows = comparison.clocks.front().deviation.rows;
   for (std::size_t r = 0; r < rows.size(); ++r) {
