@@ -13,12 +13,12 @@ namespace goingrate {
 namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+bool is_key_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 
 // "t=12.5": the number after a key.
 std::size_t key_length(std::string_view text) {
   std::size_t length = 0;
-  while (length < text.size() && is_letter(text[length]))
+  while (length < text.size() && is_key_letter(text[length]))
     ++length;
   return length > 0 && length + 1 < text.size() && text[length] == '=' ? length + 1 : 0;
 }
