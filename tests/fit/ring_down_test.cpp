@@ -32,7 +32,7 @@ TEST(RingDownTest, IntervalsOnTheBoundsCover) {
   const Eigen::MatrixXd information = seen.covariance.inverse();
   const Eigen::MatrixXd root = seen.covariance.llt().matrixL();
   RandomStream chance(20, StreamPurpose::jitter);
-  constexpr int draws = 200;
+  constexpr int draws = 100;
   for (const Eigen::Vector3d& truth :
        {Eigen::Vector3d(6.0, 0.0, 0.0), Eigen::Vector3d(0.0, 6.0, 0.0),
         Eigen::Vector3d(0.0, 0.0, 6.0), Eigen::Vector3d(4.0, 1.0, 0.0),
