@@ -72,6 +72,9 @@ std::vector<double> cause_of(const SpectrumCommand& options, const NumberedLog& 
   const auto term = std::find_if(data.terms.begin(), data.terms.end(),
                                  [&](const RateTerm& t) { return t.name == options.against; });
   const bool amplitude = options.against == "amplitude" && data.has_amplitude();
+  const auto place = [&](std::size_t i) {
+    return static_cast<std::int64_t>(data.cycle[i] - data.cycle[0]) / step;
+  };
   std::vector<double> cause;
   double known = 0.0;
   for (std::size_t i = 1; i < data.size(); ++i) {
@@ -79,8 +82,7 @@ std::vector<double> cause_of(const SpectrumCommand& options, const NumberedLog& 
                                    : (term->advance_s[i] - term->advance_s[i - 1]) /
                                          (data.elapsed_s[i] - data.elapsed_s[i - 1]);
     if (std::isfinite(value)) known = value;
-    const auto cycles = static_cast<std::int64_t>(data.cycle[i] - data.cycle[i - 1]);
-    cause.insert(cause.end(), static_cast<std::size_t>(cycles / step), known);
+    cause.insert(cause.end(), static_cast<std::size_t>(place(i) - place(i - 1)), known);
   }
   return cause;
 }
@@ -115,10 +117,12 @@ std::string gapped(const SpectrumCommand& options, const NumberedLog& loaded,
   std::vector<double> rates;
   for (std::size_t i = 1; i < loaded.good.size(); ++i) {
     const Beat &before = loaded.good[i - 1], &beat = loaded.good[i];
-    const std::int64_t cycles = beat.cycle - before.cycle;
-    rates.insert(rates.end(), static_cast<std::size_t>(cycles / step),
-                 cycles == step ? drive.interval_s / (beat.time - before.time) - 1.0
-                                : std::numeric_limits<double>::quiet_NaN());
+    const std::int64_t from = loaded.good.front().cycle;
+    const std::int64_t places = (beat.cycle - from) / step - (before.cycle - from) / step;
+    rates.insert(rates.end(), static_cast<std::size_t>(places),
+                 beat.cycle - before.cycle == step
+                     ? drive.interval_s / (beat.time - before.time) - 1.0
+                     : std::numeric_limits<double>::quiet_NaN());
   }
   return gapped_table(lomb_scargle(rates, drive.interval_s));
 }

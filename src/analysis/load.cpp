@@ -2,6 +2,7 @@
 
 #include "base/readable.hpp"
 #include "base/time_grain.hpp"
+#include "log/file_parts.hpp"
 #include "log/typical_period.hpp"
 #include "sound/recording.hpp"
 #include "log/unused_options.hpp"
@@ -34,13 +35,14 @@ public:
 
   NumberedLog run() {
     tell_unused(loaded_.log, request_.reading);
-    join_weather(loaded_.log, request_.weather);
+    const bool needs_events = !(request_.phases_will_do && loaded_.log.grid);
+    if (needs_events) join_weather(loaded_.log, request_.weather);
     if (request_.site) loaded_.log.site = request_.site;
     if (loaded_.log.grid)
       take_grid();
     else
       number_events();
-    if (request_.phases_will_do && loaded_.log.grid) return std::move(loaded_);
+    if (!needs_events) return std::move(loaded_);
     choose_good(loaded_);
     if (loaded_.log.has_amplitude)
       loaded_.sensor.amplitude = summarise_amplitudes(loaded_.good);
@@ -390,7 +392,7 @@ NumberedLog loaded_from(ClockLog log, const LoadRequest& request) {
 NumberedLog load(const LoadRequest& request, const LogVisitor& visit) {
   std::vector<std::string> paths{request.path};
   paths.insert(paths.end(), request.more.begin(), request.more.end());
-  const bool is_one = paths.size() == 1 && !std::filesystem::is_directory(request.path);
+  const bool is_one = paths.size() == 1 && !holds_files(request.path);
   const LogVisitor nobody;
   bool is_first = true; // others are only tried
   const auto load_as = [&](LoadRequest as) {

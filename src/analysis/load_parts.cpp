@@ -1,6 +1,7 @@
 // Logs of too many events to be held at once.
 #include "loading.hpp"
 
+#include "base/special_values.hpp"
 #include "base/workers.hpp"
 #include "log/lines.hpp"
 #include "log/log_parts.hpp"
@@ -24,10 +25,14 @@ constexpr std::size_t usual_overlap = 1 << 15;
 // The first part, by which the others are read, is so many times as long as they are.
 constexpr std::size_t parts_in_first = 4;
 
-void append_row(std::size_t i, EventColumns& from, EventColumns& to) {
+// Appends row i to the columns that have `rows` rows, or, as they begin later, none.
+void append_row(std::size_t i, EventColumns& from, std::size_t rows, EventColumns& to) {
   const auto of = from.all(), into = to.all();
-  for (std::size_t k = 0; k < of.size(); ++k)
-    if (!of[k]->empty()) into[k]->push_back((*of[k])[i]);
+  for (std::size_t k = 0; k < of.size(); ++k) {
+    if (of[k]->empty() && into[k]->empty()) continue;
+    into[k]->resize(rows, not_known);
+    into[k]->push_back(of[k]->empty() ? not_known : (*of[k])[i]);
+  }
 }
 
 // What a log says of itself: not its events, nor what was found in reading them.
@@ -74,20 +79,21 @@ public:
   void add(std::size_t i, NumberedLog& part) {
     const Beat& beat = part.beats.beats[i];
     if (is_left_out(beat, part.beats.step)) return;
+    if (beats_.size() == most_) thin(part.beats.step);
+    if (is_left_out(beat, part.beats.step)) return;
+    append_row(i, part.log.columns, beats_.size(), columns_);
     beats_.push_back(beat);
-    append_row(i, part.log.columns, columns_);
-    if (beats_.size() > most_) thin(part.beats.step);
   }
   // The last of all is kept in any case.
   void end_with(std::size_t i, NumberedLog& part) {
     last_ = part.beats.beats[i];
     last_columns_ = {};
-    append_row(i, part.log.columns, last_columns_);
+    append_row(i, part.log.columns, 0, last_columns_);
   }
   void hand_over(NumberedLog& log) {
     if (last_ && !beats_.empty() && beats_.back().line != last_->line) {
+      append_row(0, last_columns_, beats_.size(), columns_);
       beats_.push_back(*last_);
-      append_row(0, last_columns_, columns_);
     }
     log.beats.beats = std::move(beats_);
     log.beats.step *= every_;
@@ -107,7 +113,7 @@ private:
     std::size_t kept = 0;
     for (std::size_t i = 0; i < beats_.size(); ++i) {
       if (is_left_out(beats_[i], step)) continue;
-      append_row(i, columns_, columns);
+      append_row(i, columns_, kept, columns);
       beats_[kept++] = beats_[i];
     }
     beats_.resize(kept);
@@ -168,8 +174,8 @@ private:
     spare_.clear();
     const std::size_t size = whole.events.size();
     for (std::size_t i = is_last ? size : size - std::min(size, overlap_); i < size; ++i) {
+      append_row(i, whole.columns, spare_.size(), columns);
       spare_.push_back(whole.events[i]);
-      append_row(i, whole.columns, columns);
     }
     part.events = std::exchange(whole.events, std::move(spare_));
     part.columns = std::exchange(whole.columns, std::move(columns));
@@ -178,20 +184,39 @@ private:
 
   void add(ClockLog part, bool is_last) {
     if (first_line_ > 0) begin_with_line(first_line_, part);
+    if (last_given_) part.nominal_period_s = request_.reading.nominal_period_s;
     NumberedLog numbered = loaded_from(std::move(part), request_);
     std::vector<Beat>& beats = numbered.beats.beats;
-    const auto fresh = std::find_if(beats.begin(), beats.end(),
-                                    [&](const Beat& beat) { return beat.line > last_line_; });
-    const auto first = static_cast<std::size_t>(fresh - beats.begin());
+    const std::size_t first = first_fresh(beats);
     const std::size_t held_back = is_last ? 0 : std::min(beats.size(), overlap_ / 2);
     const std::size_t end = std::max(first, beats.size() - held_back);
-    if (last_line_ == 0) begin(numbered);
+    if (!last_given_) begin(numbered);
     has_amplitude_ = has_amplitude_ || numbered.log.has_amplitude;
     move_by(shift_of(beats, first), first, numbered);
     take(first, end, numbered);
     if (visit_) visit_({numbered, first, end, parts_.lines_expected()});
     if (alternates_) first_line_ = first_upward_line(beats);
+    if (end > 0) last_given_ = beats[end - 1];
+    for (std::size_t i = first; i < beats.size(); ++i)
+      last_line_ = std::max(last_line_, beats[i].line);
     spare_ = std::move(beats);
+  }
+
+  // The event after the last that was given out. Events that were read since and put in order
+  // before it came too late to be given out in their place: they count as spurious.
+  std::size_t first_fresh(const std::vector<Beat>& beats) {
+    if (!last_given_) return 0;
+    const auto last = std::find_if(beats.begin(), beats.end(), [&](const Beat& beat) {
+      return beat.line == last_given_->line && beat.edge == last_given_->edge;
+    });
+    if (last == beats.end()) { // left out as a copy of another
+      const auto later = std::find_if(beats.begin(), beats.end(),
+                                      [&](const Beat& beat) { return beat.line > last_line_; });
+      return static_cast<std::size_t>(later - beats.begin());
+    }
+    result_.beats.spurious += std::count_if(
+        beats.begin(), last, [&](const Beat& beat) { return beat.line > last_line_; });
+    return static_cast<std::size_t>(last - beats.begin()) + 1;
   }
 
   // What the first part tells about a log is taken as known for the others.
@@ -205,7 +230,8 @@ private:
     result_.nominal_period_s = first.nominal_period_s;
     result_.nominal_is_known = first.nominal_is_known;
     assumptions_ = first.log.assumptions;
-    weather_ = first.log.weather;
+    site_ = first.log.site;
+    flag_width_rad_ = first.log.flag_width_rad;
     result_.beats.typical_period_s = first.beats.typical_period_s;
     result_.beats.scatter_s = first.beats.scatter_s;
     result_.beats.longest_countable_gap = first.beats.longest_countable_gap;
@@ -260,7 +286,6 @@ private:
     const auto& beats = part.beats.beats;
     for (std::size_t i = first; i < end; ++i) {
       const Beat& beat = beats[i];
-      last_line_ = std::max(last_line_, beat.line);
       all.spurious += beat.flag == BeatFlag::spurious ? 1 : 0;
       all.rivals += beat.flag == BeatFlag::rival ? 1 : 0;
       all.bounces += beat.flag == BeatFlag::bounce ? 1 : 0;
@@ -276,20 +301,20 @@ private:
       }
     const std::int64_t from =
         places_.empty() ? std::numeric_limits<std::int64_t>::min() : places_.front().cycle;
-    remember_places(end, beats);
+    remember_places(first, end, beats);
     for (const Gap& gap : part.beats.gaps) {
       if (places_.empty() || gap.after_cycle < from || gap.after_cycle >= places_.front().cycle)
         continue;
       all.gaps.push_back(gap);
-      if (gap.bridged) all.missed += gap.length;
+      if (gap.bridged) all.missed += gap.length / part.beats.step;
     }
   }
 
   // Of the last good beats before `end`.
-  void remember_places(std::size_t end, const std::vector<Beat>& beats) {
+  void remember_places(std::size_t first, std::size_t end, const std::vector<Beat>& beats) {
     constexpr std::size_t most_places = 1000; // some of which are good in the next part too
     std::vector<Place> places;
-    for (std::size_t i = end; i-- > 0 && beats[i].line > 0 && places.size() < most_places;)
+    for (std::size_t i = end; i-- > first && places.size() < most_places;)
       if (beats[i].flag == BeatFlag::good)
         places.push_back({beats[i].line, beats[i].cycle, beats[i].segment});
     if (!places.empty()) places_ = std::move(places);
@@ -298,9 +323,10 @@ private:
   NumberedLog joined() {
     const std::int64_t every = kept_.every();
     result_.log = std::move(parts_.log());
-    result_.log.events.clear();
+    result_.log.events = {}; // with the memory
     result_.log.has_amplitude = has_amplitude_;
-    result_.log.weather = std::move(weather_);
+    result_.log.site = site_;
+    result_.log.flag_width_rad = flag_width_rad_;
     for (Assumption& assumption : assumptions_)
       result_.log.assumptions.push_back(std::move(assumption));
     kept_.hand_over(result_);
@@ -310,10 +336,8 @@ private:
     result_.sensor.amplitude = summarise_amplitudes(result_.good);
     if (!result_.good.empty()) result_.crossings = crossings_[result_.good.front().segment];
     if (every > 1)
-      result_.log.assumptions.push_back(
-          {fmt::format("the log is long: one beat in {} is taken for its mean rate and for what is "
-                       "fitted",
-                       every)});
+      result_.log.assumptions.push_back({fmt::format(
+          "the log is long: what does not use all of its beats uses one in {}", every)});
     return std::move(result_);
   }
 
@@ -324,21 +348,29 @@ private:
   std::vector<Beat> spare_; // memory for the next part
   bool alternates_ = false; // directions do, and the log does not tell them
   bool has_amplitude_ = false;
-  std::uint32_t first_line_ = 0, last_line_ = 0; // of the next part; of what was handed out
+  std::uint32_t first_line_ = 0, last_line_ = 0; // of the next part; of what was numbered
+  std::optional<Beat> last_given_;
   std::vector<Place> places_;           // of the last beats that were handed out, backwards
   std::vector<std::int64_t> crossings_; // good beats of each segment
   ThinnedBeats kept_;
   std::vector<Assumption> assumptions_;
-  std::vector<JoinedWeather> weather_;
+  std::optional<Site> site_;
+  std::optional<double> flag_width_rad_;
   NumberedLog result_;
 };
 
 } // namespace
 
 NumberedLog load_in_parts(const LoadRequest& request, const LogVisitor& visit) {
+  constexpr std::size_t least_part = 1000; // events
+  if (request.part_events < least_part)
+    throw ArgumentError("part_events", static_cast<double>(request.part_events), "at least 1000");
   LineReader lines(open_source(request.path, request.reading.unpacked_limit), request.path);
   LogParts parts(lines, request.reading);
-  if (!parts.read(request.part_events)) return PartJoiner(parts, request, visit).run();
+  // Weather from elsewhere is judged by all events.
+  const bool divides = request.weather.files.empty();
+  const std::size_t most = divides ? request.part_events : std::numeric_limits<std::size_t>::max();
+  if (!parts.read(most)) return PartJoiner(parts, request, visit).run();
   NumberedLog whole = loaded_from(std::move(parts.log()), request);
   if (visit) visit({whole, 0, whole.beats.beats.size(), parts.lines_expected()});
   return whole;

@@ -208,13 +208,14 @@ std::vector<double> rate_about_fit(std::span<const Beat> beats, double nominal_p
                                    const FitSummary& fit) {
   const bool is_fitted = fit.residual_s.size() == beats.size();
   const std::int64_t step = usual_step(beats);
+  const auto place = [&](const Beat& beat) { return (beat.cycle - beats.front().cycle) / step; };
   std::vector<double> series;
   for (std::size_t i = 1; i < beats.size(); ++i) {
     const Beat &before = beats[i - 1], &beat = beats[i];
     const double rate =
         is_fitted ? (fit.residual_s[i - 1] - fit.residual_s[i]) / (beat.time - before.time)
                   : rate_between(before, beat, nominal_period_s);
-    series.insert(series.end(), static_cast<std::size_t>((beat.cycle - before.cycle) / step), rate);
+    series.insert(series.end(), static_cast<std::size_t>(place(beat) - place(before)), rate);
   }
   return series;
 }

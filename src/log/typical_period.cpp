@@ -15,7 +15,6 @@ namespace goingrate {
 
 namespace {
 
-constexpr std::size_t most_sampled = 25'000; // three medians of them take a millisecond
 constexpr std::size_t stretches = 20;
 constexpr double normal_from_mad = 1.4826; // standard deviation over median absolute deviation
 // A jitter of 1 % of the period moves intervals by 1.4 %; seven times that is still one period.
@@ -133,10 +132,10 @@ bool may_be_wide_swings(double period_s, double nominal_s) {
   return period_s > nominal_s && period_s < widest * nominal_s;
 }
 
-std::vector<Stretch> sample_stretches(std::size_t size) {
-  if (size <= most_sampled) return {{0, size}};
+std::vector<Stretch> sample_stretches(std::size_t size, std::size_t most) {
+  if (size <= most) return {{0, size}};
   std::vector<Stretch> sample;
-  const std::size_t length = most_sampled / stretches;
+  const std::size_t length = most / stretches;
   for (std::size_t k = 0; k < stretches; ++k) {
     const std::size_t first = k * (size - length) / (stretches - 1);
     sample.push_back({first, first + length});

@@ -57,10 +57,11 @@ Json sound_object(const SoundFindings& sound, double time_base_sigma) {
 namespace {
 
 // Of a log that is not split it is the rate of the log.
-std::vector<PartRate> rates_of_segments(const Beats& beats, const RateSummary& summary,
-                                        const SensorFindings& sensor) {
+std::vector<PartRate> rates_of_segments(const ClockLog& log, const Beats& beats,
+                                        const RateSummary& summary, const SensorFindings& sensor) {
   constexpr std::int64_t fewest_for_scatter = 5; // see PartRate
-  if (beats.segments > 1 || summary.crossings < fewest_for_scatter) {
+  const bool knows_amplitude = sensor.amplitude || !log.has_amplitude;
+  if (beats.segments > 1 || summary.crossings < fewest_for_scatter || !knows_amplitude) {
     std::vector<PartRate> parts = segment_rates(beats.beats, summary.nominal_period_s);
     for (PartRate& part : parts)
       add_time_base(part.rate, summary.time_base_sigma);
@@ -107,7 +108,7 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
                             {"kind", name_of(gap.kind)}});
   json["longest_countable_gap"] = beats.longest_countable_gap;
   json["segment_rates"] = Json::array();
-  for (const PartRate& part : rates_of_segments(beats, summary, sensor))
+  for (const PartRate& part : rates_of_segments(log, beats, summary, sensor))
     json["segment_rates"].push_back(part_object(part, summary.nominal_is_known));
   json["format"] = name_of(log.format);
   json["beat_error_s"] = estimate_object(sensor.beat_error_s);

@@ -269,6 +269,8 @@ double expected_ratio(double n, int mu) {
 NoiseType identify_noise(std::span<const double> phase, std::size_t m,
                          std::size_t most_differences) {
   if (m == 0) throw ArgumentError("m", 0.0, "1 or more");
+  if (most_differences >= most_orders)
+    throw ArgumentError("most_differences", static_cast<double>(most_differences), "at most 3");
   const Series series{phase, m};
   const Parabola parabola = parabola_through(series);
   NoiseType noise;
