@@ -57,8 +57,8 @@ double found_dead_time(std::span<Beat> events) {
   const double reach = std::min(looked_at_share * usual_interval(events), longest_s);
   std::vector<double> early;
   std::size_t late = 0;
-  constexpr std::size_t many = 100'000; // events: bounces may be few
-  for (const Stretch& stretch : sample_stretches(events.size(), many))
+  constexpr std::size_t sample = 100'000; // events: bounces may be few
+  for (const Stretch& stretch : sample_stretches(events.size(), sample))
     for_each_bounce(events.subspan(stretch.first, stretch.size()), reach,
                     [&](const Beat&, double since) {
                       if (since < 0.5 * reach)
