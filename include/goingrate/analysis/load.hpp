@@ -31,10 +31,11 @@ struct LoadRequest {
   /// Of the restoring torque, see clock/restoring.hpp; -10 to 1.5. None: as the log states it, or 1.
   std::optional<double> gravity_share{};
   double gap_probability = NumberingOptions{}.least_probability;
-  /// A log in one file that has more events is read and numbered in parts of about so many, at
-  /// least 1000, so that all of it is never in memory; while one part is numbered, the next is read
-  /// (LoadPartsTest). Logs whose events do not stand by themselves (samples of an angle, data on a
-  /// grid, labels with errors, newest first) are never divided.
+  /// A log in one file that has more events is read and numbered in parts, the first of about so
+  /// many, at least 1000, the others of a quarter of that, so that all of it is never in memory;
+  /// while one part is numbered, the next is read (LoadPartsTest). Logs whose events do not stand by
+  /// themselves (samples of an angle, data on a grid, labels with errors, newest first), and those
+  /// with weather from other files, are never divided.
   std::size_t part_events = std::numeric_limits<std::size_t>::max();
   /// Of a log in parts, no more beats are kept than this: every second, fourth, eighth ...
   std::size_t most_beats = std::numeric_limits<std::size_t>::max();

@@ -180,7 +180,8 @@ struct ClockLog {
   std::string source;         ///< file name as given, or words for several
   std::vector<LogFile> files; ///< where there are several; empty for one
   LogFormat format = LogFormat::timestamps;
-  std::vector<Beat> events; ///< of data on a grid, one for each value, with its cycle
+  std::vector<Beat> events; ///< of data on a grid, one for each value, with its cycle; the first
+                            ///< three of them if only phases were wanted
   std::optional<GridData> grid;
   /// Readings at uneven times, in order of time, for which the events, at even times on the
   /// straight lines between them, stand in; else empty.
