@@ -52,10 +52,6 @@ Json sound_object(const SoundFindings& sound, double time_base_sigma) {
           {"time_base_sigma_ppm", json_number(1e6 * time_base_sigma)}};
 }
 
-} // namespace
-
-namespace {
-
 // Of a log that is not split it is the rate of the log.
 std::vector<PartRate> rates_of_segments(const ClockLog& log, const Beats& beats,
                                         const RateSummary& summary, const SensorFindings& sensor) {

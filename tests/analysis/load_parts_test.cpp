@@ -226,7 +226,7 @@ TEST_F(LoadPartsTest, AFolderIsReadWhole) {
   EXPECT_EQ(load(in_parts(request, 16'000)).good.size(), static_cast<std::size_t>(cycles));
 }
 
-// A wheel closes a contact once in 30 swings; of the second, now and then it does not.
+// A wheel closes a contact once in 30 swings, but now and then it does not.
 TEST_F(LoadPartsTest, ContactsOfAWheelAreCountedInSwings) {
   std::string text = "# goingrate log 1\n# nominal_period_s: 2\ntime_s\n";
   for (int n = 0; n < 60'000; ++n)
