@@ -136,13 +136,28 @@ void attach_profiles(const ProfiledPlace& all, const ProfiledPlace* few,
   });
 }
 
+constexpr std::size_t compared_beats = 3000;
+
+// The beats whose profile is computed. Of times that walk by the drive, as many as hold most of the
+// information.
+FewBeats beats_to_profile(const Fitted& fitted) {
+  constexpr double allowed_loss = 0.25; // of the information: an eighth of a sigma
+  const TimingData& data = *fitted.problem.data;
+  const auto shape = data.has_amplitude() ? std::nullopt : noise_shape(fitted);
+  const std::size_t stride = shape ? longest_stride(*shape, allowed_loss) : 1;
+  const auto spacing = static_cast<std::size_t>(std::max(1.0, usual_spacing(data)));
+  const std::size_t count = stride > spacing ? data.size() / (stride / spacing) : 0;
+  return count > compared_beats
+             ? FewBeats{at_one_stride(data, count)}
+             : few_beats(data, fitted.problem.parameters.event_cycles, compared_beats);
+}
+
 // The fit on few beats of a long log, so that its profile can be computed quickly; not usable if
 // the log has no more beats than that.
 Fitted on_beats_to_profile(const Fitted& fitted, FewBeats& some) {
-  constexpr std::size_t compared_beats = 3000;
   if (fitted.problem.condensed != nullptr || fitted.problem.data->size() < 3 * compared_beats)
     return {};
-  some = few_beats(*fitted.problem.data, fitted.problem.parameters.event_cycles, compared_beats);
+  some = beats_to_profile(fitted);
   return on_few_beats(fitted, some);
 }
 

@@ -202,9 +202,16 @@ std::vector<ModelSearch::FittedLaws> ModelSearch::compared_laws(const Laws& here
   return all;
 }
 
+// Whether the times of a driven clock walk, and no change is known after which laws would differ.
+bool ModelSearch::is_steady_walk() const {
+  return options_.noise != FitNoise::jitter && options_.events.empty() &&
+         best_.model.escapement != Escapement::none &&
+         walks(*best_.problem.data, best_.seen.late_s);
+}
+
 // Takes the laws that come nearest to the log, and notes those that come as near.
 std::vector<ModelSearch::EqualLaws> ModelSearch::choose_laws(const std::vector<FitEvent>& found) {
-  if (best_.model.walk || is_rounding(best_)) return {};
+  if (best_.model.walk || is_rounding(best_) || is_steady_walk()) return {};
   Laws here{options_, best_.model};
   for (std::size_t k = 0; k < found.size(); ++k) // each moves its dates from where they were found
     here.options.events[k].cycle = found[k].cycle;

@@ -43,8 +43,9 @@ namespace {
 void match_mean_rate(const FitProblem& problem, std::vector<double>& x) {
   const Slot& T0 = *problem.parameters.find(Quantity::T0);
   if (!T0.free) return;
-  if (const auto late = late_at_end(problem.parameters, ends_of(*problem.data), x))
-    x[T0.index] += *late / problem.data->cycle.back() / T0.scale;
+  const TimingData ends = ends_of_stretches(*problem.data, {});
+  if (const auto late = late_after_first(problem.parameters, ends, x))
+    x[T0.index] += late->back() / problem.data->cycle.back() / T0.scale;
 }
 
 } // namespace

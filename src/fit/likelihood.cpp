@@ -7,6 +7,7 @@
 
 #include <ceres/jet.h>
 
+#include <algorithm>
 #include <limits>
 #include <numeric>
 
@@ -392,19 +393,31 @@ std::optional<Evaluation> evaluate(const FitProblem& problem, std::span<const do
   return of_width(std::integral_constant<int, static_cast<int>(most_parameters)>());
 }
 
-TimingData ends_of(const TimingData& data) {
-  const std::array<std::size_t, 2> ends{0, data.size() - 1};
+TimingData ends_of_stretches(const TimingData& data, const std::vector<double>& event_cycles) {
+  std::vector<std::size_t> ends{0};
+  const auto add = [&](std::size_t beats) { // how many come before the stretch ends
+    if (beats > ends.back() + 1) ends.push_back(beats - 1);
+  };
+  for (const double cycle : event_cycles)
+    add(static_cast<std::size_t>(std::upper_bound(data.cycle.begin(), data.cycle.end(), cycle) -
+                                 data.cycle.begin()));
+  add(data.size());
   return subset(data, ends);
 }
 
-std::optional<double> late_at_end(const Parameters& parameters, const TimingData& ends,
-                                  std::span<const double> x) {
-  double late = 0.0;
+std::optional<std::vector<double>> late_after_first(const Parameters& parameters,
+                                                    const TimingData& ends,
+                                                    std::span<const double> x) {
+  std::vector<double> late;
+  double first = 0.0;
   const bool holds =
       Follower<double>(parameters, x, ends).run([&](std::size_t i, const auto& sight) {
-        late += i == 0 ? -sight.late_s : sight.late_s;
+        if (i == 0)
+          first = sight.late_s;
+        else
+          late.push_back(sight.late_s - first);
       });
-  return holds ? std::optional(late) : std::nullopt;
+  return holds ? std::optional(std::move(late)) : std::nullopt;
 }
 
 std::optional<Residuals> residuals(const FitProblem& problem, std::span<const double> x) {

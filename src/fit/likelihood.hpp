@@ -118,12 +118,13 @@ struct Residuals {
 };
 std::optional<Residuals> residuals(const FitProblem& problem, std::span<const double> x);
 
-/// The first and the last beat.
-TimingData ends_of(const TimingData& data);
-/// How much later the last beat comes after the first than the model predicts, s; empty if the
-/// model does not hold. Costs as much as a few beats.
-std::optional<double> late_at_end(const Parameters& parameters, const TimingData& ends,
-                                  std::span<const double> x);
+/// The first beat, the last before each event, and the last of all.
+TimingData ends_of_stretches(const TimingData& data, const std::vector<double>& event_cycles);
+/// How much later each of these beats comes after the first than the model predicts, s, the first
+/// left out; empty if the model does not hold.
+std::optional<std::vector<double>> late_after_first(const Parameters& parameters,
+                                                    const TimingData& ends,
+                                                    std::span<const double> x);
 
 /// The largest number of free parameters in a fit: the width of the automatic derivatives.
 inline constexpr std::size_t most_parameters = 20;

@@ -88,6 +88,8 @@ ModelSearch::ModelSearch(const TimingData& data, const Settled& settled)
 
 ModelSearch::ModelSearch(const TimingData& data, const FitOptions& options)
     : all_(data), options_(options), guess_(guess_noise(data)) {
+  // Where a change may be due to several laws, they are told apart before noise, unless it is large.
+  if (options.events.empty()) guess_.walks = guess_.walks || walks(data, data.lateness_s);
   check_names(options, data);
   include_named_noise(options_);
   include_angle_of_pushes();

@@ -107,6 +107,7 @@ private:
   void explain_roughly(Fitted& rough);
   void choose_friction();
   [[nodiscard]] double straying(const Fitted& fitted) const;
+  [[nodiscard]] bool is_steady_walk() const;
   [[nodiscard]] bool strays_by_noise() const;
   [[nodiscard]] bool noise_is_asked_for() const;
   void choose_noise();

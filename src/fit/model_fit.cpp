@@ -186,14 +186,15 @@ double unusualness(const FitProblem& problem, std::span<const double> x) {
 
 } // namespace
 
-bool worth_trying(const Fitted& simpler, const FitOptions& options, const ModelChoice& model) {
+bool worth_trying(const Fitted& simpler, const Fitted& best, const FitOptions& options,
+                  const ModelChoice& model) {
   const TimingData thin = at_one_stride(*simpler.problem.data, beats_to_screen);
   FitProblem plain =
-      simpler.problem.on(thin); // the choice of noise hardly affects the choice of dynamics
+      best.problem.on(thin); // the choice of noise hardly affects the choice of dynamics
   FitProblem richer = make_problem(thin, options, model);
   if (has_too_many(richer)) return false;
   plain.priors.clear();
-  const auto here = minus_log_likelihood(plain, simpler.minimum.x);
+  const auto here = minus_log_likelihood(plain, best.minimum.x);
   constexpr double least_gain =
       1.0; // of L: with less, no search would make up for two more parameters
   for (const auto& point : richer_starts(simpler, richer, model)) {

@@ -25,7 +25,9 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
 Fitted fit_from_any(std::span<const Fitted* const> simpler, FitOptions& options,
                     const ModelChoice& model);
 
-/// Whether a slow drive of any size and memory, added to the fit as it is, raises its likelihood.
-bool worth_trying(const Fitted& simpler, const FitOptions& options, const ModelChoice& model);
+/// Whether a slow drive of any size and memory, added to `simpler` as it is, raises the likelihood
+/// above that of `best`, a fit of the same data.
+bool worth_trying(const Fitted& simpler, const Fitted& best, const FitOptions& options,
+                  const ModelChoice& model);
 
 } // namespace goingrate::timing_model

@@ -77,8 +77,9 @@ Fitted ModelSearch::with_slow_drive(FittedLaws& drive, FitDynamics dynamics) con
   const bool asks_for_more =
       all_.size() >= long_log_beats || (working_.data.has_amplitude() && !white(drive.fitted));
   const bool slowly = options.noise == FitNoise::slow ||
-                      (automatic && (asks_for_more || worth_trying(drive.fitted, options, model) ||
-                                     worth_trying(best_, options, model)));
+                      (automatic &&
+                       (asks_for_more || worth_trying(drive.fitted, drive.fitted, options, model) ||
+                        worth_trying(best_, drive.fitted, options, model)));
   if (!slowly) return {};
   // A fit without slow drive may have ended far from the solution: both fits serve as starts.
   Fitted slow = fit_from_any(std::array<const Fitted*, 2>{&drive.fitted, &best_}, options, model);
@@ -100,7 +101,7 @@ void ModelSearch::choose_noise() {
   Laws laws{options_, best_.model};
   if (automatic && laws.model.drive) {
     laws.model.slow = true;
-    if (worth_trying(best_, options_, laws.model)) choose_slow_drive(fit_with(laws));
+    if (worth_trying(best_, best_, options_, laws.model)) choose_slow_drive(fit_with(laws));
     take_dates_of_best();
     return;
   }
@@ -219,6 +220,7 @@ bool ModelSearch::strays_by_noise() const {
   constexpr std::size_t long_log_beats = 3000, thinned_beats = 1000;
   constexpr double least_straying = 3.0, largest_share = 0.5;
   if (working_.data.size() < long_log_beats || options_.noise == FitNoise::jitter) return false;
+  if (is_steady_walk()) return true;
   const double strays = straying(best_);
   if (strays < least_straying) return false;
   const TimingData thin = thinned(working_.data, best_.problem.parameters, thinned_beats);

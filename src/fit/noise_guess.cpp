@@ -11,12 +11,13 @@ namespace goingrate::timing_model {
 
 namespace {
 
+constexpr std::size_t most_differences = 20000; // known to a per cent
+
 // Robust mean square of the third differences at a stride of usual spacings: of jitter j and a walk
 // w a spacing it is 20 j^2 + 6 stride w^2, of anything smooth over three strides nearly nothing.
 // `relative`: the noise of each value over that of all, or empty.
 double third_differences(const TimingData& data, std::span<const double> series,
                          std::span<const double> relative, std::size_t stride) {
-  constexpr std::size_t most_differences = 20000; // known to a per cent
   const double spacing = usual_spacing(data);
   std::vector<double> size;
   for (std::size_t i = 0; i + 3 * stride < series.size() && size.size() < most_differences; ++i) {
@@ -33,6 +34,14 @@ double third_differences(const TimingData& data, std::span<const double> series,
   constexpr double normal = 1.4826; // standard deviation over median of the size
   return std::pow(normal * *middle, 2);
 }
+
+// Relative standard deviation of a robust mean square of third differences. That from the median of
+// m independent sizes is 2.3/sqrt m, and third differences are independent every three strides.
+double scatter_at(std::size_t stride, std::size_t beats) {
+  return 2.3 * std::sqrt(3.0 * static_cast<double>(stride) /
+                         static_cast<double>(std::min(beats, most_differences)));
+}
+constexpr double beyond_chance = 4.0; // standard deviations
 
 } // namespace
 
@@ -67,10 +76,7 @@ NoiseGuess guess_noise(const TimingData& data) {
     far = near;
   const double walk2 = std::clamp((far - near) / (6.0 * (stride - 1)), 0.0, near / 6.0);
   guess.walk_s = std::sqrt(walk2 / usual_spacing(data));
-  // Relative standard deviation of a mean square from the median of m independent sizes: 2.3/sqrt
-  // m; third differences over 8 beats are independent every 24.
-  const double scatter = 2.3 * std::sqrt(3.0 * stride / static_cast<double>(data.size()));
-  guess.walks = far > near * (1.0 + 4.0 * scatter);
+  guess.walks = far > near * (1.0 + beyond_chance * scatter_at(stride, data.size()));
   guess.jitter_s =
       std::max(std::sqrt(std::max(0.0, near - 6.0 * walk2) / 20.0), least_jitter(data));
   constexpr double finest_amplitude_rad = 1e-8; // rad
@@ -79,6 +85,20 @@ NoiseGuess guess_noise(const TimingData& data) {
         std::sqrt(third_differences(data, data.amplitude_rad, data.amplitude_noise, 1) / 20.0),
         finest_amplitude_rad);
   return guess;
+}
+
+bool walks(const TimingData& data, std::span<const double> residual) {
+  // What a walk adds doubles with the stride. What a smooth course adds rises 64 times, and at
+  // least six times as long as the stride is shorter than the time in which it bends.
+  constexpr double largest_rise = 4.0;
+  const double near = third_differences(data, residual, data.time_noise, 1);
+  for (std::size_t stride = 8; 24 * stride < data.size(); stride *= 2) {
+    const double added = third_differences(data, residual, data.time_noise, stride) - near;
+    if (added > beyond_chance * scatter_at(stride, data.size()) * near)
+      return third_differences(data, residual, data.time_noise, 2 * stride) - near <
+             largest_rise * added;
+  }
+  return false;
 }
 
 } // namespace goingrate::timing_model

@@ -3,6 +3,8 @@
 
 #include "goingrate/fit/timing_data.hpp"
 
+#include <span>
+
 namespace goingrate::timing_model {
 
 /// The lower bound of the jitter, s: the larger of the rounding of doubles in a log of this length
@@ -17,6 +19,10 @@ struct NoiseGuess {
 };
 /// The noise as third differences of the data show it.
 NoiseGuess guess_noise(const TimingData& data);
+
+/// Whether the residuals of a fit to these times walk, as noise of the drive makes them, over
+/// however many beats: what they depart from jitter by is not smooth.
+bool walks(const TimingData& data, std::span<const double> residual);
 
 /// Cycles between neighbouring beats, the median of the first thousand: 1 or, with both directions,
 /// 1/2; more in a log that was thinned.

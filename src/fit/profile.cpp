@@ -127,13 +127,21 @@ private:
 // interval then differ by about the same small fraction.
 constexpr double small_relative_sigma = 0.015;
 
+// Whether the likelihood along this coordinate is a parabola, whatever else the log leaves open: the
+// jitter that every beat shows.
+bool is_of_every_beat(const Slot& slot, const Certainty& known) {
+  return slot.quantity == Quantity::jitter_rms && known.sigma(slot.index) < small_relative_sigma;
+}
+
 // The fit whose L the profiles evaluate: that on few beats if it determines every coordinate as
 // well as all beats do, or so well that the profile is a parabola.
 const ProfiledPlace& place_to_evaluate(const ProfiledPlace& all, const ProfiledPlace* few) {
   constexpr double largest_sigma_change = 0.2; // relative
   constexpr double tight_sigma = 0.05; // of a logarithm: asymmetry of a twentieth of the interval
   if (few == nullptr) return all;
-  for (std::size_t k = 0; k < all.minimum.x.size(); ++k) {
+  for (const Slot& slot : all.problem.parameters.slots) {
+    if (!slot.free || is_of_every_beat(slot, all.known)) continue;
+    const std::size_t k = slot.index;
     const double sigma = few->known.curvature_sigma(k);
     const double ratio = sigma / all.known.curvature_sigma(k);
     if (!(std::abs(ratio - 1.0) < largest_sigma_change) && !(sigma < tight_sigma && ratio > 1.0))
@@ -194,7 +202,7 @@ std::vector<Interval> intervals(const ProfiledPlace& all, const ProfiledPlace* f
     const double tolerable = tolerable_sigma(problem, slot, all.minimum.x);
     const bool lopsided = is_noise(slot.quantity) || may_vanish(slot);
     if ((!(sigma <= tolerable) && !may_vanish(slot)) || known.distrusted[k]) return;
-    if (largest < small_relative_sigma && !may_vanish(slot)) {
+    if ((largest < small_relative_sigma && !may_vanish(slot)) || is_of_every_beat(slot, known)) {
       result[k] = {x - sigma, x + sigma, x - z95 * sigma, x + z95 * sigma};
       return;
     }

@@ -19,7 +19,8 @@ namespace goingrate::timing_model {
 /// far enough within thirty sigma, and for a coordinate that the log does not determine.
 ///
 /// `few` is the same fit on fewer beats, or null. It is evaluated instead of `all`, to save time,
-/// if it gives every coordinate the same sigma of curvature within a fifth, or one below 0.05.
+/// if it gives every coordinate the same sigma of curvature within a fifth, or one below 0.05; a
+/// jitter known to 1.5 % need not agree, as its interval is that of the curvature.
 std::vector<Interval> intervals(const ProfiledPlace& all, const ProfiledPlace* few,
                                 bool model_holds);
 

@@ -154,34 +154,18 @@ private:
 };
 
 // Ends a search by its gain: Ceres' own test is relative to the cost, whose zero is arbitrary here.
-// Also ends a search that creeps: with bounds, Ceres shortens a step until it gains, so that none
-// is rejected and the trust region, however much too large, shrinks by no more than half at each.
 class Progress : public ceres::IterationCallback {
 public:
   explicit Progress(double least_gain) : least_gain_(least_gain) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
     if (summary.iteration == 0) return ceres::SOLVER_CONTINUE;
-    constexpr double poor_share = 0.25; // of the gain that a step promised
-    constexpr int most_poor_steps = 3;
-    const bool is_poor = summary.step_is_successful && summary.relative_decrease < poor_share;
-    poor_steps_ = is_poor ? poor_steps_ + 1 : 0;
-    radius_ = summary.trust_region_radius;
     // A rejected step with such a small change ends the search too: the rest is rounding.
-    const bool settled = std::abs(summary.cost_change) < least_gain_;
-    // A region below 1 holds a step back as it is.
-    creeps_ = !settled && poor_steps_ >= most_poor_steps && radius_ > 1.0;
-    return settled || creeps_ ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
-  }
-  /// The trust region to go on with, if the search ended because it creeps.
-  [[nodiscard]] std::optional<double> smaller_region() const {
-    constexpr double ratio = 1e-3; // of a region that is too large by orders of magnitude
-    return creeps_ ? std::optional(ratio * radius_) : std::nullopt;
+    return std::abs(summary.cost_change) < least_gain_ ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
+                                                       : ceres::SOLVER_CONTINUE;
   }
 
 private:
-  double least_gain_, radius_ = 0.0;
-  int poor_steps_ = 0;
-  bool creeps_ = false;
+  double least_gain_;
 };
 
 // Exceptions must not pass through Ceres: it is told to abort, and they are rethrown afterwards.
@@ -221,34 +205,16 @@ ceres::Solver::Options solver_options(const SearchLimits& limits) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
   options.max_num_iterations = limits.iterations;
+  options.initial_trust_region_radius = limits.first_radius;
   options.function_tolerance = 1e-16; // in effect off: the callback ends the search
   options.gradient_tolerance = 1e-12;
   options.parameter_tolerance = 1e-14;
   options.logging_type = ceres::SILENT;
   options.num_threads = 1;
-  // Under bounds Ceres first searches along each step, where cubic interpolation would need
-  // derivatives at every trial.
-  options.line_search_interpolation_type = ceres::QUADRATIC;
+  // Under bounds Ceres would search along each step, and shorten it until it gains. In a curved
+  // valley it is better to reject the step, which shrinks the trust region.
+  options.max_num_line_search_step_size_iterations = 0;
   return options;
-}
-
-// Solves, and continues with a smaller trust region if the search creeps.
-ceres::Solver::Summary solved(ceres::Problem& problem, const SearchLimits& limits) {
-  ceres::Solver::Options options = solver_options(limits);
-  ceres::Solver::Summary summary;
-  std::optional<double> radius = limits.first_radius;
-  while (radius && options.max_num_iterations > 0) {
-    options.initial_trust_region_radius = *radius;
-    Progress progress(limits.least_gain);
-    WayOut way_out;
-    options.callbacks = {&way_out, &progress};
-    ceres::Solve(options, &problem, &summary);
-    way_out.rethrow();
-    radius = progress.smaller_region();
-    options.max_num_iterations -= static_cast<int>(summary.iterations.size()) - 1;
-  }
-  if (radius) summary.termination_type = ceres::NO_CONVERGENCE; // it crept to the limit
-  return summary;
 }
 
 } // namespace
@@ -280,7 +246,13 @@ Minimum minimise(const FitProblem& problem, std::vector<double> start, const Sea
   ceres::Problem ceres_problem(owned_here);
   ceres_problem.AddResidualBlock(&likelihood, nullptr, u.data());
   bounds.put_into(ceres_problem, u.data());
-  const ceres::Solver::Summary summary = solved(ceres_problem, limits);
+  Progress progress(limits.least_gain);
+  WayOut way_out;
+  ceres::Solver::Options options = solver_options(limits);
+  options.callbacks = {&way_out, &progress};
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &ceres_problem, &summary);
+  way_out.rethrow();
   minimum.termination = words_for(summary);
   minimum.converged = summary.termination_type == ceres::CONVERGENCE ||
                       summary.termination_type == ceres::USER_SUCCESS;

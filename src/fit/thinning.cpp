@@ -181,7 +181,7 @@ FewBeats few_beats(const TimingData& data, const std::vector<double>& event_cycl
                    std::size_t count) {
   const std::size_t together = (data.size() / count - 1) | 1U; // odd: the middle is a beat
   if (data.size() < 3 * count) return {at_one_stride(data, count), 1.0};
-  if (!guess_noise(data).walks) {
+  if (!walks(data, data.lateness_s)) {
     TimingData means = block_means(data, event_cycles, together);
     constexpr double least_filled_share = 0.5; // of the blocks that could be
     if (static_cast<double>(means.size() * together) >

@@ -15,7 +15,8 @@ constexpr double step = 1e-6;
 
 Valley::Valley(const FitProblem& problem, std::span<const double> start,
                std::optional<std::size_t> except)
-    : parameters_(problem.parameters), ends_(ends_of(*problem.data)) {
+    : parameters_(problem.parameters),
+      ends_(ends_of_stretches(*problem.data, problem.parameters.event_cycles)) {
   if (start.size() < 2) return;
   const Slot* lambda0 = parameters_.find(Quantity::lambda0);
   if (lambda0->free && lambda0->index != except && parameters_.has(Quantity::mu)) {
@@ -27,42 +28,51 @@ Valley::Valley(const FitProblem& problem, std::span<const double> start,
     scatter_ = log_scatter(start);
     if (std::isfinite(scatter_)) drive_ = drive->index;
   }
-  const auto follows = following(start, except);
-  const auto late = late_at_end(parameters_, ends_, start);
-  if (!follows || !late) return;
   std::vector<double> x(start.begin(), start.end());
-  const auto slope = slope_of_late(x, *follows, start_ ? start[*start_] : 0.0);
-  if (!slope || *slope == 0.0) return;
-  slope_ = *slope;
-  reference_ = start[*follows];
-  late_ = *late;
-  rate_ = follows;
+  const double own = start_ ? start[*start_] : 0.0;
+  const auto here = late(x, own);
+  if (!here) return;
+  const Eigen::MatrixXd slopes = slopes_of_late(x, own);
+  choose_following(start, except, slopes);
+  late_ = (*here)(stretches_);
+  way_ = Eigen::MatrixXd(slopes(stretches_, rates_)).inverse();
+  reference_ = Eigen::Map<const Eigen::VectorXd>(start.data(),
+                                                 static_cast<Eigen::Index>(start.size()))(rates_);
+  if (way_.allFinite()) return;
+  stretches_.clear();
+  rates_.clear();
 }
 
-// Prefers the switching angle: the rate of a clock at rest always falls with it, while torque and
-// friction may hardly affect it. Slopes are those of the last beat, before which an event may have
-// changed the clock.
-std::optional<std::size_t> Valley::following(std::span<const double> start,
-                                             std::optional<std::size_t> except) const {
-  constexpr double phi0_weight = 3.0; // another steeper by this factor replaces phi0
-  std::vector<double> x(start.begin(), start.end());
-  std::optional<std::size_t> best;
-  double steepest = 0.0;
+// For one stretch after the other the coordinate that moves its end most beside those chosen
+// before, by Gaussian elimination. Prefers the switching angle: the rate of a clock at rest always
+// falls with it, while torque and friction may hardly affect it.
+void Valley::choose_following(std::span<const double> start, std::optional<std::size_t> except,
+                              const Eigen::MatrixXd& slopes) {
+  constexpr double phi0_weight = 3.0;  // another steeper by this factor replaces phi0
+  constexpr double least_share = 1e-6; // of what the coordinate moves: less is rounding
+  Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(slopes.rows(), slopes.cols());
   for (const Slot& slot : parameters_.slots) {
     const bool could = slot.quantity == Quantity::T0 || slot.quantity == Quantity::phi0 ||
                        slot.quantity == Quantity::mu || slot.quantity == Quantity::epsilon;
     if (!could || !slot.free || slot.index == except || slot.index == start_) continue;
-    const auto slope = slope_of_late(x, slot.index, start_ ? start[*start_] : 0.0);
-    if (!slope) continue;
     const double weight = slot.quantity == Quantity::phi0 ? phi0_weight : 1.0;
-    // Slopes are compared for relative changes; a free T0 moves the last beat by far the most.
-    const double unit = slot.coordinate == Coordinate::multiple ? x[slot.index] : 1.0;
-    const double moves = weight * std::abs(*slope * unit);
-    if (moves <= steepest) continue;
-    steepest = moves;
-    best = slot.index;
+    // Slopes are compared for relative changes; a free T0 moves the ends by far the most.
+    const double unit = slot.coordinate == Coordinate::multiple ? start[slot.index] : 1.0;
+    const auto column = static_cast<Eigen::Index>(slot.index);
+    moves.col(column) = weight * unit * slopes.col(column);
   }
-  return best;
+  Eigen::MatrixXd left = moves;
+  for (Eigen::Index stretch = 0; stretch < moves.rows(); ++stretch) {
+    Eigen::Index best = 0;
+    const double most = left.row(stretch).cwiseAbs().maxCoeff(&best);
+    if (!(most > least_share * moves.col(best).cwiseAbs().maxCoeff())) continue;
+    stretches_.push_back(stretch);
+    rates_.push_back(best);
+    const Eigen::RowVectorXd row = left.row(stretch) / left(stretch, best);
+    const Eigen::VectorXd column = left.col(best);
+    left -= column * row;
+    left.col(best).setZero();
+  }
 }
 
 double Valley::log_rest(std::span<const double> x) const {
@@ -83,11 +93,9 @@ void Valley::follow_start(std::vector<double>& x, double own) const {
 std::vector<double> Valley::x_of(std::span<const double> u) const {
   std::vector<double> x(u.begin(), u.end());
   const double own = start_ ? u[*start_] : 0.0;
-  if (rate_) {
-    std::vector<double> from = x;
-    from[*rate_] = reference_;
-    if (const auto value = solved(from, own)) x[*rate_] += *value - reference_;
-  }
+  if (const auto change = solved(x, own))
+    for (std::size_t k = 0; k < rates_.size(); ++k)
+      x[static_cast<std::size_t>(rates_[k])] += (*change)[static_cast<Eigen::Index>(k)];
   follow_start(x, own);
   if (drive_) x[*drive_] -= log_scatter(x) - scatter_;
   return x;
@@ -97,28 +105,39 @@ std::vector<double> Valley::u_of(std::span<const double> x) const {
   std::vector<double> u(x.begin(), x.end());
   if (drive_) u[*drive_] += log_scatter(x) - scatter_;
   if (start_) u[*start_] -= log_rest(x) - rest_;
-  if (rate_) {
-    std::vector<double> from(x.begin(), x.end());
-    from[*rate_] = reference_;
-    if (const auto value = solved(from, start_ ? u[*start_] : 0.0))
-      u[*rate_] -= *value - reference_;
-  }
+  if (const auto change = solved({x.begin(), x.end()}, start_ ? u[*start_] : 0.0))
+    for (std::size_t k = 0; k < rates_.size(); ++k)
+      u[static_cast<std::size_t>(rates_[k])] -= (*change)[static_cast<Eigen::Index>(k)];
   return u;
 }
 
-std::optional<double> Valley::slope_of_late(std::vector<double>& x, std::size_t k,
-                                            double own) const {
-  const double here = x[k];
-  x[k] = here + step;
-  follow_start(x, start_ && k == *start_ ? own + step : own);
-  const auto up = late_at_end(parameters_, ends_, x);
-  x[k] = here - step;
-  follow_start(x, start_ && k == *start_ ? own - step : own);
-  const auto down = late_at_end(parameters_, ends_, x);
-  x[k] = here;
+std::optional<Eigen::VectorXd> Valley::late(std::vector<double>& x, double own) const {
   follow_start(x, own);
-  if (!up || !down) return {};
-  return (*up - *down) / (2.0 * step);
+  const auto at = late_after_first(parameters_, ends_, x);
+  if (!at) return {};
+  Eigen::VectorXd late = Eigen::Map<const Eigen::VectorXd>(at->data(),
+                                                           static_cast<Eigen::Index>(at->size()));
+  for (Eigen::Index k = late.size(); k-- > 1;)
+    late[k] -= late[k - 1];
+  return late;
+}
+
+Eigen::MatrixXd Valley::slopes_of_late(std::vector<double> x, double own) const {
+  const auto stretches = static_cast<Eigen::Index>(ends_.size()) - 1;
+  Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(stretches, static_cast<Eigen::Index>(x.size()));
+  for (const Slot& slot : parameters_.slots) {
+    if (!slot.free || is_noise(slot.quantity)) continue;
+    const double here = x[slot.index];
+    const auto beside = [&](double by) {
+      x[slot.index] = here + by;
+      return late(x, slot.index == start_ ? own + by : own);
+    };
+    const auto up = beside(step), down = beside(-step);
+    x[slot.index] = here;
+    if (up && down)
+      slopes.col(static_cast<Eigen::Index>(slot.index)) = (*up - *down) / (2.0 * step);
+  }
+  return slopes;
 }
 
 template <class Function>
@@ -141,15 +160,12 @@ Eigen::MatrixXd Valley::slopes(std::span<const double> u) const {
   Eigen::MatrixXd result = Eigen::MatrixXd::Identity(n, n);
   std::vector<double> x = x_of(u);
   const double own = start_ ? u[*start_] : 0.0;
-  if (rate_) { // dh/du_k = -(d late/dx_k) / (d late/dx_a)
-    const auto row = static_cast<Eigen::Index>(*rate_);
-    const auto along = slope_of_late(x, *rate_, own);
-    for (const Slot& slot : parameters_.slots) {
-      if (!slot.free || slot.index == *rate_ || is_noise(slot.quantity)) continue;
-      const auto slope = slope_of_late(x, slot.index, own);
-      if (along && slope && *along != 0.0)
-        result(row, static_cast<Eigen::Index>(slot.index)) = -*slope / *along;
-    }
+  if (!rates_.empty()) { // dh/du = -(d late/dx_a)^-1 d late/du
+    const Eigen::MatrixXd all = slopes_of_late(x, own);
+    const Eigen::MatrixXd slopes = all(stretches_, Eigen::all);
+    Eigen::MatrixXd moved = -Eigen::MatrixXd(slopes(Eigen::all, rates_)).inverse() * slopes;
+    moved(Eigen::all, rates_).setIdentity();
+    if (moved.allFinite()) result(rates_, Eigen::all) = moved;
   }
   if (start_) {
     const Eigen::RowVectorXd moved =
@@ -164,28 +180,37 @@ Eigen::MatrixXd Valley::slopes(std::span<const double> u) const {
   return result;
 }
 
-std::optional<double> Valley::solved(std::vector<double> x, double own) const {
+// Broyden's method in units of lateness, in which the slopes at the start are one.
+std::optional<Eigen::VectorXd> Valley::solved(std::vector<double> x, double own) const {
   constexpr int rounds = 20;
   constexpr double longest_step = 0.3, smallest_change = 1e-13;
   constexpr double rounding_change = 1e-9; // a smaller step that gains nothing is rounding
-  double slope = slope_, change = 0.0, missed = 0.0;
+  const auto count = static_cast<Eigen::Index>(rates_.size());
+  if (count == 0) return {};
+  const auto go_to = [&](const Eigen::VectorXd& change) {
+    for (Eigen::Index k = 0; k < count; ++k)
+      x[static_cast<std::size_t>(rates_[static_cast<std::size_t>(k)])] = reference_[k] + change[k];
+  };
+  Eigen::VectorXd change = Eigen::VectorXd::Zero(count), last = change, moved, missed;
+  Eigen::MatrixXd slopes = Eigen::MatrixXd::Identity(count, count);
   for (int round = 0; round < rounds; ++round) {
-    follow_start(x, own);
-    const auto late = late_at_end(parameters_, ends_, x);
-    if (!late) return {};
-    const double misses = late_ - *late;
-    if (round > 0) { // secant slope, from the last step
-      const bool gained = std::abs(misses) < std::abs(missed);
-      if (!gained && std::abs(change) < rounding_change) break;
-      if (misses != missed && std::abs(change) > rounding_change)
-        slope = (missed - misses) / change;
-    }
+    go_to(change);
+    const auto here = late(x, own);
+    if (!here) return {};
+    const Eigen::VectorXd misses = late_ - Eigen::VectorXd((*here)(stretches_));
+    const double size = last.cwiseAbs().maxCoeff();
+    if (round > 0 && size < rounding_change && !(misses.norm() < missed.norm())) break;
+    if (round > 0 && size > rounding_change)
+      slopes += (missed - misses - slopes * moved) * moved.transpose() / moved.squaredNorm();
     missed = misses;
-    change = std::clamp(misses / slope, -longest_step, longest_step);
-    x[*rate_] += change;
-    if (std::abs(change) < smallest_change) break;
+    moved = slopes.partialPivLu().solve(misses);
+    last = way_ * moved;
+    const double share = std::min(1.0, longest_step / last.cwiseAbs().maxCoeff());
+    moved *= share, last *= share;
+    change += last;
+    if (!(last.cwiseAbs().maxCoeff() > smallest_change)) break;
   }
-  return x[*rate_];
+  return change;
 }
 
 } // namespace goingrate::timing_model
