@@ -405,9 +405,8 @@ TimingData ends_of_stretches(const TimingData& data, const std::vector<double>& 
   return subset(data, ends);
 }
 
-std::optional<std::vector<double>> late_after_first(const Parameters& parameters,
-                                                    const TimingData& ends,
-                                                    std::span<const double> x) {
+std::optional<std::vector<double>>
+late_after_first(const Parameters& parameters, const TimingData& ends, std::span<const double> x) {
   std::vector<double> late;
   double first = 0.0;
   const bool holds =

@@ -76,10 +76,10 @@ Fitted ModelSearch::with_slow_drive(FittedLaws& drive, FitDynamics dynamics) con
   constexpr std::size_t long_log_beats = 32'000;
   const bool asks_for_more =
       all_.size() >= long_log_beats || (working_.data.has_amplitude() && !white(drive.fitted));
-  const bool slowly = options.noise == FitNoise::slow ||
-                      (automatic &&
-                       (asks_for_more || worth_trying(drive.fitted, drive.fitted, options, model) ||
-                        worth_trying(best_, drive.fitted, options, model)));
+  const bool slowly =
+      options.noise == FitNoise::slow ||
+      (automatic && (asks_for_more || worth_trying(drive.fitted, drive.fitted, options, model) ||
+                     worth_trying(best_, drive.fitted, options, model)));
   if (!slowly) return {};
   // A fit without slow drive may have ended far from the solution: both fits serve as starts.
   Fitted slow = fit_from_any(std::array<const Fitted*, 2>{&drive.fitted, &best_}, options, model);

@@ -61,15 +61,17 @@ private:
   Ends ends_on(double side) {
     constexpr double parabola_tolerance = 0.1; // of the rise: a twentieth of the interval
     constexpr double least_shape = 0.65, largest_shape = 1.5; // for which the polynomial serves
-    const double shape = relative_rise(side * z95);
-    // The root of twice the rise is |z| (1 + b z), with b from the rise at 1.96 sigma.
-    const double b = (std::sqrt(shape) - 1.0) / (side * z95 * widening_);
-    const Interval::Root line{{0.0, 1.0}, {1.0, 1.0 + b}};
+    // The root of twice the rise is |z| (a + b z), with a and b from the rise at 1 and 1.96 sigma.
+    const double shape = relative_rise(side * z95), near = relative_rise(side * z68);
+    const double from = near > 0.0 ? z68 : 0.0, of_near = near > 0.0 ? std::sqrt(near) : 1.0;
+    const double b = (std::sqrt(shape) - of_near) / (side * (z95 - from) * widening_);
+    const double a = of_near - b * side * from * widening_;
+    const Interval::Root line{{0.0, 1.0}, {a, a + b}};
     if (std::abs(shape - 1.0) < parabola_tolerance)
       return {side * z68 * widening_, side * z95 * widening_, line};
     const auto by_root = [&]() -> Ends {
       if (!(shape > least_shape && shape < largest_shape)) return open_ends(side);
-      const auto root = [&](double z) { return (std::sqrt(1.0 + 4.0 * b * z) - 1.0) / (2.0 * b); };
+      const auto root = [&](double z) { return 2.0 * z / (a + std::sqrt(a * a + 4.0 * b * z)); };
       return {root(side * z68 * widening_), root(side * z95 * widening_), line};
     };
     if (!search_ || (shape > 1.0 && shape < largest_shape)) return by_root();
@@ -127,8 +129,8 @@ private:
 // interval then differ by about the same small fraction.
 constexpr double small_relative_sigma = 0.015;
 
-// Whether the likelihood along this coordinate is a parabola, whatever else the log leaves open: the
-// jitter that every beat shows.
+// Whether the likelihood along this coordinate is a parabola, whatever else the log leaves open:
+// the jitter that every beat shows.
 bool is_of_every_beat(const Slot& slot, const Certainty& known) {
   return slot.quantity == Quantity::jitter_rms && known.sigma(slot.index) < small_relative_sigma;
 }

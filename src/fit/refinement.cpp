@@ -218,7 +218,12 @@ bool refine_every_end(Fitted& fitted, FitDynamics dynamics) {
     if (end.minimum.usable && refine(end, dynamics)) refined.push_back(std::move(end));
   };
   consider(Fitted(fitted));
-  for (const std::vector<double>& place : fitted.ends) {
+  std::vector<std::vector<double>> places = fitted.ends;
+  for (const Rival& rival : fitted.rivals) // what explains the log in first order only is none
+    if (std::none_of(places.begin(), places.end(),
+                     [&](const auto& place) { return !fitted.known.tells_apart(place, rival.x); }))
+      places.push_back(rival.x);
+  for (const std::vector<double>& place : places) {
     Fitted end = fitted;
     end.rivals.clear();
     end.minimum.x = place;
@@ -232,7 +237,7 @@ bool refine_every_end(Fitted& fitted, FitDynamics dynamics) {
   std::stable_sort(refined.begin(), refined.end(),
                    [](const Fitted& a, const Fitted& b) { return by_value(a.minimum, b.minimum); });
   fitted = std::move(refined.front());
-  if (refined.size() > 1) fitted.rivals.clear();
+  if (!places.empty()) fitted.rivals.clear();
   constexpr double largest_deficit = 4.5; // of L: three sigma
   for (std::size_t k = 1; k < refined.size(); ++k) {
     const Minimum& other = refined[k].minimum;

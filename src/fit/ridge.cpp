@@ -73,7 +73,11 @@ bool Ridge::walk_to(double z) {
 }
 
 std::optional<Ridge::Look> Ridge::look(double z) const {
-  const auto there = step_of_others(valley_.x_of(ahead(first_, z)));
+  constexpr double sure_gain = 0.05; // of L: a step gains less than it promises if that is more
+  const std::vector<double> x = valley_.x_of(ahead(first_, z));
+  auto there = step_of_others(x);
+  if (there && there->gain > sure_gain)
+    if (const auto next = lower(x, *there)) there = step_of_others(*next);
   if (!there) return {};
   return Look{there->here.value - there->gain, there->gain};
 }

@@ -56,8 +56,8 @@ public:
   /// A foot between two others; nullopt if none is found.
   [[nodiscard]] std::optional<Foot> between(double z, const Foot& a, const Foot& b);
 
-  /// L beyond the minimum along the tangent, and what a step of scoring in the other coordinates
-  /// gains there; nullopt if the model does not hold.
+  /// L beyond the minimum along the tangent, and what the last of one or two steps of scoring in the
+  /// other coordinates gains there; nullopt if the model does not hold.
   struct Look {
     double value = 0.0; ///< after that step
     double gain = 0.0;

@@ -15,6 +15,10 @@ namespace goingrate::timing_model {
 
 namespace {
 
+// What a change of a coordinate by one (a factor e for most) costs a step, as it seems to Ceres, as
+// a share of the gain in L that scoring promises; and the least such gain that counts.
+constexpr double flat_share = 1e-4, least_promise = 50.0;
+
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 // The bounds of the coordinates.
@@ -70,7 +74,7 @@ public:
                    double offset, Remembered start)
       : problem_(problem), map_(map), bounds_(bounds), offset_(offset),
         unknowns_(problem.parameters.free_count), last_(std::move(start)) {
-    set_num_residuals(static_cast<int>(unknowns_) + 1);
+    set_num_residuals(2 * static_cast<int>(unknowns_) + 1);
     mutable_parameter_block_sizes()->push_back(static_cast<int>(unknowns_));
   }
 
@@ -83,7 +87,7 @@ public:
     }
     const std::vector<double>& x = last_x_;
     const auto n = static_cast<Eigen::Index>(unknowns_);
-    Eigen::Map<Eigen::VectorXd> r(residual, n + 1);
+    Eigen::Map<Eigen::VectorXd> r(residual, 2 * n + 1);
     r.setZero();
     if (jacobian == nullptr || jacobian[0] == nullptr) {
       const auto value = value_at(x);
@@ -97,8 +101,11 @@ public:
     const double rest = 2.0 * (evaluation->value + offset_) - evaluation->projected.squaredNorm();
     r.head(n) = evaluation->projected;
     r[n] = std::sqrt(std::max(0.0, rest)); // rest < 0 only if the noise is far too small
-    Eigen::Map<RowMajor> slopes(jacobian[0], n + 1, n);
+    Eigen::Map<RowMajor> slopes(jacobian[0], 2 * n + 1, n);
     slopes.setZero();
+    // Keeps steps from leaping far where the likelihood is flat.
+    const double promise = std::max(least_promise, 0.5 * evaluation->projected.squaredNorm());
+    slopes.bottomRows(n).diagonal().setConstant(std::sqrt(2.0 * flat_share * promise));
     Eigen::MatrixXd dx_du = map_.slopes(u);
     bounds_.stay(last_beyond_, dx_du);
     slopes.topRows(n) = evaluation->triangle * dx_du;
@@ -138,7 +145,7 @@ private:
   bool stop_here(Eigen::Map<Eigen::VectorXd>& residual, double* slopes) const {
     broke_off_ = true;
     residual.setZero();
-    std::fill_n(slopes, unknowns_ * (unknowns_ + 1), 0.0);
+    std::fill_n(slopes, unknowns_ * (2 * unknowns_ + 1), 0.0);
     return true;
   }
 

@@ -115,8 +115,8 @@ std::optional<Eigen::VectorXd> Valley::late(std::vector<double>& x, double own) 
   follow_start(x, own);
   const auto at = late_after_first(parameters_, ends_, x);
   if (!at) return {};
-  Eigen::VectorXd late = Eigen::Map<const Eigen::VectorXd>(at->data(),
-                                                           static_cast<Eigen::Index>(at->size()));
+  Eigen::VectorXd late =
+      Eigen::Map<const Eigen::VectorXd>(at->data(), static_cast<Eigen::Index>(at->size()));
   for (Eigen::Index k = late.size(); k-- > 1;)
     late[k] -= late[k - 1];
   return late;

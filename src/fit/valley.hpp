@@ -5,8 +5,9 @@
 // starts, and the scatter of neighbouring periods. Searches and profiles therefore move in
 // coordinates u, where
 //   x_l = u_l + (log lambda_rest - its value at the start)   keeps the distance from rest,
-//   x_a = u_a + h(x of the others)                           keeps the lateness at each stretch's end,
-//   x_d = u_d - (log(T0 g) - its value at the start)         keeps the scatter due to the drive.
+//   x_a = u_a + h(x of the others)                           keeps the lateness at each stretch's
+//   end, x_d = u_d - (log(T0 g) - its value at the start)         keeps the scatter due to the
+//   drive.
 // l is the logarithm of lambda0, and lambda_rest = sqrt(2 mu phi0/(pi eps)) the amplitude at rest
 // before any change; a are as many of T0, phi0, mu, epsilon and their changes as there are
 // stretches, those that move the ends most, with preference for phi0; d is the logarithm of the
@@ -50,16 +51,16 @@ private:
   [[nodiscard]] Eigen::RowVectorXd gradient(std::vector<double>& x, Function&& function) const;
 
   const Parameters& parameters_;
-  TimingData ends_;                    // the first beat, and the last of each stretch
-  std::optional<std::size_t> start_;   // l
+  TimingData ends_;                     // the first beat, and the last of each stretch
+  std::optional<std::size_t> start_;    // l
   std::vector<Eigen::Index> stretches_; // whose lateness is kept
-  std::vector<Eigen::Index> rates_;    // a, one for each of them
-  std::optional<std::size_t> drive_;   // d
-  double rest_ = 0.0;                  // log lambda_rest at the start
-  Eigen::VectorXd reference_;          // x_a at the start
-  Eigen::VectorXd late_;               // lateness at the start, s
-  Eigen::MatrixXd way_;                // d x_a/d late at the start, 1/s
-  double scatter_ = 0.0;               // log(T0 g) at the start
+  std::vector<Eigen::Index> rates_;     // a, one for each of them
+  std::optional<std::size_t> drive_;    // d
+  double rest_ = 0.0;                   // log lambda_rest at the start
+  Eigen::VectorXd reference_;           // x_a at the start
+  Eigen::VectorXd late_;                // lateness at the start, s
+  Eigen::MatrixXd way_;                 // d x_a/d late at the start, 1/s
+  double scatter_ = 0.0;                // log(T0 g) at the start
 };
 
 } // namespace goingrate::timing_model

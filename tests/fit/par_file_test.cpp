@@ -195,9 +195,8 @@ void expect_same_again(const test::FitScene& scene) {
     const FittedParameter &a = first.parameters[k], &b = again.parameters[k];
     EXPECT_EQ(b.name, a.name);
     EXPECT_EQ(b.status, a.status) << a.name;
-    // A step that gains less than 1e-4 of L, 0.014 sigma, ends a search: the next would have been
-    // its square.
-    constexpr double stopped = 2e-4;
+    // A step that gains less than 1e-4 of L, 0.014 sigma, ends a search.
+    constexpr double stopped = 0.014;
     if (std::isfinite(a.sigma)) {
       EXPECT_NEAR(b.value, a.value, stopped * a.sigma) << a.name;
       EXPECT_NEAR(b.sigma, a.sigma, stopped * a.sigma) << a.name;

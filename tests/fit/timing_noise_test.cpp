@@ -1,5 +1,7 @@
 #include "fit/timing_noise.hpp"
 
+#include "fit/noise_guess.hpp"
+
 #include "goingrate/base/errors.hpp"
 #include "goingrate/base/random.hpp"
 
@@ -110,6 +112,44 @@ TEST(NoiseTest, NoNoiseAtAllIsAnError) {
   EXPECT_THROW(Whitening(counted(3), {}), ArgumentError);
   const std::vector<double> zero(10, 0.0);
   EXPECT_EQ(estimate_noise(counted(10), zero).jitter_s, 0.0);
+}
+
+TimingData of_residuals(const std::vector<double>& residual) {
+  TimingData data;
+  data.reference_period_s = 2.0;
+  data.cycle = counted(residual.size());
+  data.lateness_s = residual;
+  for (const double cycle : data.cycle)
+    data.elapsed_s.push_back(2.0 * cycle);
+  return data;
+}
+
+// A walk that equals the jitter only after 25 beats, and none at all.
+TEST(NoiseTest, AFaintWalkIsSeenOverManyBeats) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const auto faint = made(counted(100'000), {1e-5, 2e-6}, seed);
+    EXPECT_TRUE(timing_model::walks(of_residuals(faint), faint)) << seed;
+    for (const std::size_t beats : {1000U, 10'000U, 100'000U}) {
+      const auto none = made(counted(beats), {1e-5, 0.0}, seed);
+      EXPECT_FALSE(timing_model::walks(of_residuals(none), none)) << beats << ", " << seed;
+    }
+  }
+}
+
+// A swing that settles in 300 beats, by a hundred times the jitter, is no walk; nor is a rate that
+// turns slowly.
+TEST(NoiseTest, WhatIsSmoothDoesNotWalk) {
+  for (const std::size_t beats : {600U, 2000U, 10'000U})
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      auto settling = made(counted(beats), {1e-5, 0.0}, seed), turning = settling;
+      for (std::size_t i = 0; i < beats; ++i) {
+        const auto x = static_cast<double>(i);
+        settling[i] += 1e-3 * std::exp(-x / 300.0);
+        turning[i] += 1e-3 * std::sin(6.0 * x / static_cast<double>(beats));
+      }
+      EXPECT_FALSE(timing_model::walks(of_residuals(settling), settling)) << beats << ", " << seed;
+      EXPECT_FALSE(timing_model::walks(of_residuals(turning), turning)) << beats << ", " << seed;
+    }
 }
 
 } // namespace
